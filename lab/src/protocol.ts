@@ -1,6 +1,6 @@
 // What the page and the worker tell each other. Lengths in m, masses in kg, angles in rad, times in s.
 
-import type { OpenTime, Point, Room, RoomEdit } from "./roomtypes";
+import type { Door, OpenTime, Point, Room, RoomEdit } from "./roomtypes";
 
 export type * from "./roomtypes";
 
@@ -231,11 +231,33 @@ export interface DrawingWanted {
     origin: boolean;
     /** Layers; none: all. */
     walls: string[];
+    /** The room is what walls enclose; layers of obstacles, and in m the widest gap that is closed. */
+    enclosing: { obstacles: string[]; widest: number } | null;
+    /** Further doors. */
+    doors: Door[];
+}
+
+/** What a drawing seems to be. */
+export interface Proposal {
+    layers: { name: string; sort: string; lines: number }[];
+    walls: string[];
+    obstacles: string[];
+    /** In m. */
+    widest: number;
+    /** In m; null: there are no small gaps. */
+    close: number | null;
+    /** In m²: within walls, and without obstacles. */
+    areas: [number, number];
+    /** Its rim, then holes; none: nothing is enclosed. */
+    ground: Point[][];
+    gaps: { kind: string; door: Door; outside: boolean; said: string }[];
+    questions: string[];
 }
 
 /** What is in a drawing. */
 export interface Understood {
-    room: Room;
+    /** Null: no wall is closed, but there are proposals. */
+    room: Room | null;
     exits: { name: string; corners: Point[] }[];
     /** Where people stand. */
     distributions: Point[][];
@@ -246,6 +268,9 @@ export interface Understood {
     said: [string, string][];
     /** Those of which some can be chosen as walls. */
     layers: string[];
+    /** Why its outline may not be the room. */
+    doubt: string | null;
+    proposal: Proposal | null;
 }
 
 export interface Measure {

@@ -6,22 +6,32 @@
 //! The group codes of DXF are read by our own code (DESIGN.md, "Libraries", says why).
 
 mod areas;
+mod bands;
 mod collinear;
 mod curve;
 mod dxf;
 mod geojson;
 mod join;
+mod pieces;
 mod plan;
+#[cfg(test)]
+mod plans;
+mod proposal;
 mod read;
+mod sort;
 mod svg;
+mod swings;
 #[cfg(test)]
 mod tests;
 mod wkt;
 mod write;
 
+pub use bands::{DOOR, Gap, Leads, THICKNESS};
 pub use join::{Joined, WIDEST_GAP};
 pub use plan::{Place, Plan, Role, Settings as PlanSettings};
+pub use proposal::{Enclosing, Proposal, WIDEST_DOOR};
 pub use read::{Read, sizes};
+pub use sort::{Flight, Layer, Sort};
 pub use write::{write_plan, written_formats};
 
 use crate::error::{PeopleError, Result, require};

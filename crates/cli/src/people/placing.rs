@@ -171,6 +171,14 @@ impl PlacingArguments {
             (None, None) => (walls(&[], ""), "the open".to_owned(), Ok(Region::plane())),
         };
         let regions = self.regions_of(drawn.as_ref())?;
+        if let Some(doubt) =
+            drawn.as_ref().and_then(|drawn| drawn.doubt.as_ref()).filter(|_| regions.is_empty())
+        {
+            bail!(
+                "--geometry {name}: where is the room? {doubt}. lemons room {name} --propose shows what the plan may be, \
+                 and the options that take it; --region says where people stand in the walls as they are drawn"
+            );
+        }
         // A drawing has open walls, too.
         let outline = drawn.as_ref().and_then(|drawn| Some(&drawn.plan.walls[drawn.plan.outline?]));
         let grounds = if let (Some(outline), Err(_), true) = (outline, &whole, regions.is_empty()) {

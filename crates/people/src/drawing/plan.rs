@@ -3,11 +3,12 @@
 use super::areas::{Areas, areas};
 use super::collinear::without_overlaps;
 use super::join::{Joined, join, without_doubles};
+use super::proposal::{self, Enclosing};
 use super::{Drawing, Line, some_of};
 use crate::error::{PeopleError, Result, require};
 use crate::placing::{FARTHEST, Region};
 use crate::{Door, closed_walls, is_closed};
-use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
+use lemons_core::plane::{Bounds, Ring, Vec2, nearest_on_segment, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -116,6 +117,8 @@ pub struct Settings {
     pub to_origin: bool,
     /// Layers whose lines are walls, where none is named as a walkable area; empty: all.
     pub walls: Vec<String>,
+    /// Whether the room is what walls enclose, two lines side by side being one wall.
+    pub enclosing: Option<Enclosing>,
 }
 
 /// A place with a name.
@@ -205,8 +208,12 @@ impl Plan {
     /// # Errors
     /// There are no walls, or an area crosses itself.
     pub fn of(drawing: Drawing, settings: &Settings) -> Result<Plan> {
-        let Drawing { lines, mut left_out, .. } = drawing;
+        let Drawing { mut lines, mut left_out, .. } = drawing;
         check_layers(&settings.walls, &lines, &left_out)?;
+        let mut mended = Vec::new();
+        if let Some(how) = &settings.enclosing {
+            (lines, mended) = proposal::taken(lines, &settings.walls, settings.close, how)?;
+        }
         let of_role: Vec<Option<(Role, String)>> = lines.iter().map(|line| Role::of(&line.layer)).collect();
         let says = |role: Role| of_role.iter().flatten().any(|(of, _)| *of == role);
         let named_areas = says(Role::WalkableArea) || says(Role::Obstacle);
@@ -244,6 +251,8 @@ impl Plan {
             (walls, joined.left) = (again, rest.left);
         }
         let doubles = doubles + overlaps;
+        joined.gaps += mended.len();
+        joined.largest = mended.into_iter().fold(joined.largest, f64::max);
         let named = |role: Role, enough: usize, closed: bool, leave_out: &mut dyn FnMut(&Line, &str)| {
             let lines = places.get(&role).into_iter().flatten();
             let used = lines.filter(|(_, line)| {
@@ -384,6 +393,29 @@ impl Plan {
         let exits = self.exits.iter().enumerate().filter(|(_, exit)| on_a_wall(&exit.corners));
         let door = |line: &[Vec2]| Door::new((line[0] + line[1]) * 0.5, (line[1] - line[0]).norm());
         exits.map(|(k, exit)| (k, door(&exit.corners))).filter(|(_, door)| door.width > 0.0).collect()
+    }
+
+    /// Adds an exit where a door is: the part of the nearest closed wall that it takes, which [`Plan::doors`] finds.
+    ///
+    /// # Errors
+    /// There is no closed wall, it is further away than the door is wide, or the door goes round a corner.
+    pub fn add_door(&mut self, door: &Door) -> Result<()> {
+        let closed = closed_walls(&self.geometry(""));
+        let ([x, y], width) = (<[f64; 2]>::from(door.at), door.width);
+        let far = closed.iter().map(|wall| wall.nearest(door.at).distance).fold(f64::INFINITY, f64::min);
+        require(far <= width, || format!("door {x},{y},{width}: no closed wall is within {width} m"))?;
+        let course = door.course(&closed);
+        let ends = course.first().zip(course.last()).map(|(from, to)| [*from, *to]);
+        let straight = |[from, to]: &[Vec2; 2]| {
+            course.iter().all(|at| (nearest_on_segment(*from, *to, *at) - at).norm() <= ON_A_WALL)
+        };
+        let line = ends.filter(straight).ok_or_else(|| {
+            PeopleError::new(format!("door {x},{y},{width}: it goes round a corner of its wall"))
+        })?;
+        let name =
+            (1..).map(|k| format!("door {k}")).find(|name| !self.exits.iter().any(|exit| exit.name == *name));
+        self.exits.push(Place { name: name.unwrap_or_default(), corners: line.to_vec() });
+        Ok(())
     }
 
     /// Returns the numbers of the exits that lie inside a closed wall, and are no doors: who leaves there is still in the room.

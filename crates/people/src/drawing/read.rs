@@ -1,6 +1,7 @@
 //! A drawing that was read, and what is said of it.
 
 use super::areas::TOUCH;
+use super::proposal;
 use super::{
     Drawing, Format, Place, Plan, PlanSettings, Reading, Role, UNITS, UnitFrom, WIDEST_GAP, left_out,
 };
@@ -23,6 +24,8 @@ pub struct Read {
     pub plan: Plan,
     /// Layers without a meaning, of which [`PlanSettings::walls`] can choose; none where others have one.
     pub layers: Vec<String>,
+    /// Why the outline may not be the room; none where nothing speaks against it, or somebody has said what it is.
+    pub doubt: Option<String>,
     format: Format,
     unit: f64,
     unit_from: UnitFrom,
@@ -50,14 +53,16 @@ impl Read {
         for line in &drawing.lines {
             layers.entry(line.layer.clone()).or_insert_with(|| Role::of(&line.layer).map(|(role, _)| role));
         }
-        let is_area = |role: &Option<Role>| matches!(role, Some(Role::WalkableArea | Role::Obstacle));
-        if layers.values().any(is_area) {
+        let has_areas = layers.values().any(|role| matches!(role, Some(Role::WalkableArea | Role::Obstacle)));
+        if has_areas {
             layers.clear();
         }
         let (deviation, close) = (reading.deviation, settings.close);
         let plan = Plan::of(drawing, settings)?;
+        let is_said = settings.enclosing.is_some() || has_areas;
+        let doubt = (!is_said).then(|| proposal::doubt(&plan)).flatten();
         let layers = layers.into_iter().filter(|(_, role)| role.is_none()).map(|(layer, _)| layer).collect();
-        Ok(Read { plan, layers, format, unit, unit_from, curves, deviation, close })
+        Ok(Read { plan, layers, doubt, format, unit, unit_from, curves, deviation, close })
     }
 
     /// Says what was understood, a line each: what, and how much of it. `name` is the drawing's.
@@ -90,6 +95,7 @@ impl Read {
             let advice = "an obstacle is a hole of the polygon that it stands in";
             said.push(("warning", format!("{names}: within another polygon, and ground as it is; {advice}")));
         }
+        said.extend(self.doubt.clone().map(|doubt| ("in doubt", doubt)));
         self.changes(&mut said);
         let named = |places: &[Place]| {
             // Names may hold anything.

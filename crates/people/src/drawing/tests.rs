@@ -401,7 +401,7 @@ fn damaged_files_do_no_harm() {
             }
             if let Ok(drawing) = Drawing::read(format, &damaged, &METRES) {
                 read += 1;
-                let settings = PlanSettings { close: Some(0.05), to_origin: true, walls: Vec::new() };
+                let settings = PlanSettings { close: Some(0.05), to_origin: true, ..PlanSettings::default() };
                 if let Ok(plan) = Plan::of(drawing, &settings) {
                     let _ = (plan.area(), plan.doors(), plan.way());
                     let _ = written_formats().map(|format| write_plan(&plan, format));
@@ -414,7 +414,7 @@ fn damaged_files_do_no_harm() {
 
 fn plan_of(name: &str, format: Format, reading: Reading, close: Option<f64>) -> Plan {
     let drawing = Drawing::read(format, &example(name), &reading).unwrap();
-    Plan::of(drawing, &PlanSettings { close, to_origin: true, walls: Vec::new() }).unwrap()
+    Plan::of(drawing, &PlanSettings { close, to_origin: true, ..PlanSettings::default() }).unwrap()
 }
 
 /// The areas of the examples are known: rectangles, circles.
