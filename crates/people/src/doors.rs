@@ -357,6 +357,12 @@ mod tests {
     }
 
     #[test]
+    fn a_line_there_and_back_has_no_inside() {
+        let (a, b, c) = (Vec2::zeros(), vec2(1.0, 0.0), vec2(0.0, 1.0));
+        assert!(!is_closed(&[a, b, a]) && is_closed(&[a, b, c, a]) && !is_closed(&[a, b, c]));
+    }
+
+    #[test]
     fn doors_may_be_many_overlap_and_go_round_corners() {
         let found = cut(&[door(4.2, 1.5, 0.8)]);
         let by_hand = [(4.0, 1.9), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0), (4.0, 0.0), (4.0, 1.1)];
