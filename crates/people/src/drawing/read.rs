@@ -59,7 +59,7 @@ impl Read {
         }
         let (deviation, close) = (reading.deviation, settings.close);
         let plan = Plan::of(drawing, settings)?;
-        let is_said = settings.enclosing.is_some() || has_areas;
+        let is_said = settings.enclosing.is_some() || has_areas || plan.ground.is_some();
         let doubt = (!is_said).then(|| proposal::doubt(&plan)).flatten();
         let layers = layers.into_iter().filter(|(_, role)| role.is_none()).map(|(layer, _)| layer).collect();
         Ok(Read { plan, layers, doubt, format, unit, unit_from, curves, deviation, close })
