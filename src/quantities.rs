@@ -183,8 +183,9 @@ pub static QUANTITIES: [Variable<Quantity>; 40] = {
             .parameter(NonNegative, "relaxation rate of the velocity, 1/t_transl"),
         row(AngularDamping, "AngularDamping", AGENTS, Real(RATE))
             .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot"),
-        row(YoungModulus, "YoungModulus", MATERIALS, Real(MODULUS)).parameter(Positive, "2D Young modulus"),
-        row(ShearModulus, "ShearModulus", MATERIALS, Real(MODULUS)).parameter(Positive, "2D shear modulus"),
+        row(YoungModulus, "YoungModulus", MATERIALS, Real(MODULUS))
+            .parameter(Positive, "2D Young modulus E; E < 4 G"),
+        row(ShearModulus, "ShearModulus", MATERIALS, Real(MODULUS)).parameter(Positive, "2D shear modulus G"),
         row(GammaNormal, "GammaNormal", PAIRS, Real(DAMPING))
             .parameter(NonNegative, "damping along the normal"),
         row(GammaTangential, "GammaTangential", PAIRS, Real(DAMPING))

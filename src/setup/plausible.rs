@@ -6,7 +6,7 @@ use super::advice::warning;
 use super::within::{Inside, outside_rooms, within_pillars};
 use crate::engine::{Body, CornerId, Face, FaceId, Scene, Vec2};
 use lemons_core::plane::{Bounds, vec2};
-use lemons_core::trial::{FileNames, Problem, Wall, quoted};
+use lemons_core::trial::{Agent, BODY_MASS_INDEX, FileNames, Problem, Wall, quoted};
 
 /// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
 const RIM: [f64; 2] = [0.02, 3.0];
@@ -37,6 +37,7 @@ impl Setup<'_> {
         let doubts = [
             (&places.agents, self.doubts_of_bodies(scene)),
             (&places.agents, self.doubts_of_centres(scene)),
+            (&places.agents, self.doubts_of_masses()),
             (&places.geometry, self.doubts_of_walls(scene)),
             (&places.geometry, self.doubts_of_doubled_faces(scene)),
             (&places.geometry, self.doubts_of_openings()),
@@ -81,6 +82,27 @@ impl Setup<'_> {
         let width = 2.0 * body.bounding_radius;
         Some(format!(
             "agent {id} is {width:.3} m wide{others}: are Radius and Position of its shapes in metres?"
+        ))
+    }
+
+    /// Things that go along are heavy, too: they have disks of other materials.
+    fn doubts_of_masses(&self) -> Option<String> {
+        let [least, most] = BODY_MASS_INDEX;
+        let odd = |agent: &&Agent| {
+            let alone = agent.shapes.iter().all(|shape| shape.material_id == agent.shapes[0].material_id);
+            let index = agent.height.map(|height| agent.mass / (height * height));
+            index.is_some_and(|index| index < least || index > most && alone)
+        };
+        // Masses and heights that nobody has are told otherwise.
+        let usual = |agent: &&Agent| agent.mass >= 1.0 && agent.height.is_some_and(|height| height < 2.8);
+        let mut all = self.agents.iter().filter(usual).filter(odd);
+        let Agent { id, mass, height, .. } = all.next()?;
+        let (id, height, others) =
+            (quoted(id), height.unwrap_or_default(), in_all(1 + all.count(), "agents"));
+        Some(format!(
+            "agent {id} of Height {height:?} m has a Mass of {mass:.1} kg, {:.1} kg/m²{others}: people have {least} to {most} \
+             kg/m²: is Mass in kg?",
+            mass / (height * height)
         ))
     }
 
@@ -425,6 +447,30 @@ mod tests {
         let shapes = trial.agents[2..4].iter_mut().flat_map(|agent| &mut agent.shapes);
         shapes.for_each(|shape| shape.position.x += 0.4);
         says(&trial, "the centre of mass of agent \"2\" is outside of its own shapes (2 agents in all)");
+    }
+
+    #[test]
+    fn a_mass_is_doubted_by_the_stature() {
+        let mut trial = room();
+        trial.agents.iter_mut().for_each(|agent| agent.height = Some(1.76));
+        says(&trial, "");
+        trial.agents[1].mass = 7.6;
+        trial.agents[3].mass = 8.1;
+        says(
+            &trial,
+            "agent \"1\" of Height 1.76 m has a Mass of 7.6 kg, 2.5 kg/m² (2 agents in all): people have 10",
+        );
+        // A toddler of 90 cm.
+        for agent in [1, 3] {
+            trial.agents[agent].height = Some(0.9);
+            trial.agents[agent].mass = 12.5;
+        }
+        says(&trial, "");
+        trial.agents[1].mass = 180.0;
+        says(&trial, "agent \"1\" … 222.2 kg/m²:");
+        // A loaded bicycle goes along.
+        trial.agents[1].shapes[0].material_id = trial.geometry.walls[0].material_id.clone();
+        assert!(said(&trial).iter().all(|line| !line.contains("kg/m²")));
     }
 
     /// A value of each attribute in another unit, with that unit and the value that is meant: the person's own.

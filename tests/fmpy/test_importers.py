@@ -90,3 +90,19 @@ def test_those_that_are_here(lemons):
     programs = {program.variable: here[program.name][-1] for program in importers.PROGRAMS if here[program.name]}
     status, rows = run(lemons, **programs)
     assert status == 0, rows
+
+
+#: OMSimulator's words for arrays that it does not read; it ends with 0.
+ARRAYS = """
+for k in 1 2 3; do echo "error:   [fmi3] Variable $k: arrays are not supported"; done
+echo "info:    0 warnings"; echo "info:    3 errors"; exit 0
+"""
+
+
+def test_a_program_that_says_errors_and_ends_with_0(lemons, stand_in, push_fmu):
+    status, rows = run(lemons, [push_fmu], OMSIMULATOR=stand_in(ARRAYS))
+    [said] = [said for (program, _), said in rows.items() if program == "OMSimulator"]
+    assert status == 1 and said.startswith("exit status 0, 3 errors: error:   [fmi3] Variable 1"), said
+    status, rows = run(lemons, [push_fmu], OMSIMULATOR=stand_in('echo "info:    0 warnings"; echo "info:    0 errors"; exit 0\n'))
+    [said] = [said for (program, _), said in rows.items() if program == "OMSimulator"]
+    assert status == 0 and said == "ok", said

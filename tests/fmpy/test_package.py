@@ -278,6 +278,74 @@ def test_refusals_name_the_variable_and_the_value():
         crowd.poses()
 
 
+@pytest.mark.parametrize("time", [float("nan"), float("inf"), -float("inf")])
+def test_times_that_are_no_numbers_are_refused(time):
+    start = f"(?i)start time {time} s: must be finite"
+    with pytest.raises(SimulationError, match=start):
+        Crowd(TRIAL_PUSH, start=time)
+    with Crowd(TRIAL_PUSH) as crowd:
+        for step in (crowd.step, crowd.step_to):
+            with pytest.raises(SimulationError, match=f"(?i)communication step to {time} s: must be finite, and after 0.0 s"):
+                step(time)
+        with pytest.raises(SimulationError, match=r"communication step to 0.0 s: must be finite, and after 0.0 s"):
+            crowd.step_to(0.0)
+        with pytest.raises(ValueError, match="not a finite number"):
+            crowd.run(until=time)
+        with pytest.raises(SimulationError, match=start):
+            crowd.reset(start=time)
+
+
+def test_the_extension_refuses_what_has_another_shape(drive):
+    """Nobody but the package calls it; a panic would end a host all the same."""
+    from lemons_fmu import _native
+
+    model = _native.Model.read(os.fspath(TRIAL_PUSH))
+    simulation = _native.Simulation(model, "jacobi")
+    for early in (simulation.observe, simulation.drive, lambda: simulation.step_to(1.0)):
+        with pytest.raises(SimulationError, match="the simulation has not begun"):
+            early()
+    with pytest.raises(SimulationError, match="has not begun"):
+        _native.Recording(simulation, 1.0, 0.05, True)
+    simulation.begin(0.0)
+    people = len(model.ids)
+    for shape in (0, 3), (people + 1, 3), (people, 2), (people, 4), (people - 1, 3):
+        with pytest.raises(ValueError, match=r"the array has the shape \[\d+, \d+\], not \[5, 3\]"):
+            simulation.push(np.zeros(shape))
+    for count in (0, people - 1, people + 1):
+        with pytest.raises(ValueError, match=r"the array has the shape \[\d+\], not \[5\]"):
+            simulation.set_active(np.ones(count, bool))
+    recording = _native.Recording(simulation, 1.0, 0.05, True)
+    for agents, shape in ([0], (20, 2, 3)), ([0], (19, 1, 3)), ([0], (20, 1, 2)), ([], (20, 1, 3)):
+        with pytest.raises(ValueError, match="the array has the shape"):
+            recording.push(agents, np.zeros(shape))
+    with pytest.raises(IndexError, match="agent 5: there are 5 agents"):
+        recording.push([5], np.zeros((20, 1, 3)))
+    with pytest.raises(SimulationError, match=r"agent\[3\].Fp.y = NaN: must be finite"):
+        recording.push([0, 3], np.where(np.arange(120) == 4, np.nan, 0.0).reshape(20, 2, 3))
+    for seconds in (float("nan"), -1.0, float("inf")):
+        with pytest.raises(ValueError, match="a duration of"):
+            recording.advance(simulation, 1, seconds)
+        with pytest.raises(ValueError, match="a duration of"):
+            _native.Task(["info"]).wait(seconds)
+    room = _native.Simulation(_native.Model.read(os.fspath(TRIAL_DOOR)), "jacobi")
+    with pytest.raises(SimulationError, match="another simulation"):
+        recording.advance(room, 1, 1.0)
+    study = _native.Study([("agent[0].Mass", [60.0, 70.0])], True, os.fspath(TRIAL_PUSH), None, True)
+    for wrong in (lambda: study.value(1, 0), lambda: study.value(0, 2), lambda: study.place(2)):
+        with pytest.raises(IndexError):
+            wrong()
+
+
+def test_a_name_of_any_length_makes_a_short_message(lemons, tmp_path):
+    plan = tmp_path / "decision.toml"
+    plan.write_text(f"{'x' * 60_000} = 3\n")
+    with pytest.raises(CommandError) as raised:
+        Crowd(TRIAL_PUSH, plan=plan)
+    done = subprocess.run([lemons, "run", TRIAL_PUSH, "--plan", plan], capture_output=True, text=True, cwd=tmp_path)
+    for said in str(raised.value), done.stderr:
+        assert "decision.toml" in said and "x… 598" in said and " characters …x" in said and len(said) < 1500, said
+
+
 def test_threads_have_crowds_of_their_own(drive):
     frictions = [0.0, 0.2, 0.4, 0.8]
     alone = [simulate(TRIAL_PUSH, drive, {FRICTION: friction}, 1.0) for friction in frictions]

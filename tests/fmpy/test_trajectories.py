@@ -8,6 +8,7 @@ import subprocess
 import sys
 from contextlib import closing
 
+import limited
 import numpy as np
 import pandas as pd
 import pytest
@@ -249,6 +250,21 @@ def test_damaged_hdf5_is_refused_in_words(corridor, tmp_path):
         file.create_dataset("trajectory", shape, kind, chunks=(chunk,)).attrs["fps"] = 10.0
 
     refused(lambda file: many(file, ("<f8",), 10_000_000), "a chunk has 320000000 bytes, more than")
+    refused(lambda file: many(file, ("<f8",)), "has 20000000 rows, but only 0 are in the file")
+
+    def elsewhere(file):
+        (tmp_path / "raw").write_bytes(rows.tobytes())
+        file.create_dataset("trajectory", (2,), kinds, external=[("raw", 0, rows.nbytes)]).attrs["fps"] = 10.0
+
+    refused(elsewhere, "its rows are in other files")
+    refused(lambda file: file.__setitem__("trajectory", h5py.ExternalLink(str(good), "trajectory")), "there is no dataset")
+
+    def text(file):
+        put(file, rows)
+        kind = h5py.string_dtype()
+        file["trajectory"].attrs.create("fps", np.array(["9" * 60_000] * 1000, dtype=object), dtype=kind)
+
+    refused(text, r"attribute fps: holds \(1000,\) values")
     refused(lambda file: many(file, ("<f8",), more=[("name", "S5000")]), "a row has 5032 bytes, more than 4096")
     refused(lambda file: many(file, ("<f8", (10_000,))), r"column x: holds \('<f8', \(10000,\)\), not one number a row")
     two = np.zeros(1, dtype=[*((name, "<i8") for name in ("id", "frame", "y")), ("x", "<f8", (2,))])
@@ -259,6 +275,35 @@ def test_damaged_hdf5_is_refused_in_words(corridor, tmp_path):
         (tmp_path / "bad.h5").write_bytes(whole[:size])
         with pytest.raises(CommandError, match="bad.h5: is no sound HDF5"):
             measure("bad.h5")
+
+
+LITTLE_MEMORY = """
+import resource, sys
+import h5py, lemons_fmu  # with their threads
+resource.setrlimit(resource.RLIMIT_DATA, (int(sys.argv[1]),) * 2)
+try:
+    lemons_fmu.measure("small.h5")
+except lemons_fmu.CommandError as error:
+    print(error)
+"""
+
+
+def test_a_small_file_of_hdf5_takes_little_memory(tmp_path):
+    """Rows that nobody wrote, and rows that are packed a thousand times: 15 million would take some GB."""
+    h5py = pytest.importorskip("h5py")
+    kinds = np.dtype([("id", "<i8"), ("frame", "<i8"), ("x", "<f8"), ("y", "<f8"), ("z", "<f8")])
+    words = {False: "has 15000000 rows, but only 0 are in the file", True: r"bytes unpack to 600000000, more than 100 times"}
+    for written, expected in words.items():
+        with h5py.File(tmp_path / "small.h5", "w") as file:
+            made = file.create_dataset("trajectory", (15_000_000,), kinds, chunks=(1_000_000,), compression="gzip")
+            made.attrs["fps"] = 10.0
+            for first in range(0, 15_000_000, 1_000_000) if written else ():
+                made[first : first + 1_000_000] = np.zeros(1_000_000, kinds)
+        assert (tmp_path / "small.h5").stat().st_size < 1_000_000
+        done = limited.run(
+            [sys.executable, "-c", LITTLE_MEMORY, "600000000"], 300, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        )
+        assert re.search(expected, done.stdout), (done.stdout, done.stderr)
 
 
 def test_hdf5_replaces_nothing_that_is_read(corridor, tmp_path):

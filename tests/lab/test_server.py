@@ -1,6 +1,14 @@
 """`lemons lab` answers this machine only, and only with files of the lab."""
 
 import http.client
+import resource
+import signal
+import socket
+import subprocess
+from contextlib import closing
+
+import pytest
+from visit import LEMONS, PATIENCE, missing
 
 
 def test_only_this_machine_is_answered_and_only_with_files_of_the_lab(url: str) -> None:
@@ -23,3 +31,30 @@ def test_only_this_machine_is_answered_and_only_with_files_of_the_lab(url: str) 
     assert ask("/", method="POST").status == 405
     for path in ("/../Cargo.toml", "/binaries/linux64/../../lemons", "//etc/passwd", "/%2e%2e/lemons", "/nothing"):
         assert ask(path).status == 404, path
+
+
+@pytest.mark.parametrize("most", [16, 24, 40, 80])
+def test_where_few_files_can_be_open_the_oldest_idle_connections_end(most: int) -> None:
+    if not LEMONS.is_file():
+        pytest.exit(missing(LEMONS), returncode=1)
+
+    def few() -> None:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+
+    command = subprocess.Popen([LEMONS, "lab", "--no-browser"], stdout=subprocess.PIPE, text=True, preexec_fn=few)
+    try:
+        assert command.stdout
+        host = command.stdout.readline().split()[4].rstrip(",/").removeprefix("http://")
+        name, port = host.split(":")
+        idle = [socket.create_connection((name, int(port)), timeout=PATIENCE) for _ in range(2 * most)]
+        for _ in range(3):  # who asks is answered, and its connection takes no descriptor then
+            with closing(http.client.HTTPConnection(host, timeout=PATIENCE)) as connection:
+                connection.request("GET", "/", headers={"Host": host})
+                assert connection.getresponse().read().startswith(b"<!doctype html>")
+        assert idle[0].recv(1) == b""
+        for connection in idle:
+            connection.close()
+        assert command.poll() is None
+    finally:
+        command.send_signal(signal.SIGTERM)
+        assert command.wait(PATIENCE) == 0

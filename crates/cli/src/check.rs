@@ -5,6 +5,7 @@ pub mod walking;
 use crate::error::{TrialHasErrors, full_message};
 use anyhow::{Context, Result};
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
+use lemons_core::files::words::shortened;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{AgentDynamics, DRIVE_FILE, Parameters, Problems, Trial};
 use lemons_decision::balance::Balance;
@@ -31,7 +32,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
             Ok(given) => report(&given),
             Err(error) => (vec![full_message(&error.into())], None),
         };
-        lines.iter().try_for_each(|line| say!("{line}"))?;
+        lines.iter().try_for_each(|line| say!("{}", shortened(line)))?;
         match summary {
             Some(summary) => say!("{}: {summary}", path.display())?,
             None => sound = false,
@@ -62,6 +63,8 @@ fn report(given: &TrialInput) -> (Vec<String>, Option<String>) {
     if let Ok(Some(plan)) = &plan {
         lines.extend(doubts_of_plan(plan, &trial).iter().map(|doubt| found(WARNING, &plan_file, doubt)));
         lines.extend(walking::flat_push(plan).map(|text| found(NOTE, &plan_file, &format!("push: {text}"))));
+        let at_walls = walking::exits_at_walls(plan);
+        lines.extend(at_walls.iter().map(|doubt| found(WARNING, &plan_file, doubt)));
         lines.extend(walking::doubts(plan).iter().map(|(kind, doubt)| found(kind, &plan_file, doubt)));
     }
     let Parameters { time_step, time_step_mechanical, .. } = trial.parameters;

@@ -49,6 +49,7 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
         lemons_master::ssp::connect(&stem(&arguments.output), &participants, &arguments.connection)?;
     let sources = participants.iter().map(|participant| participant.source.clone());
     let files: Vec<(String, &Path)> = sources.zip(arguments.fmus.iter().map(PathBuf::as_path)).collect();
+    files::check_still(output)?;
     write_archive(&arguments.output, &connected.structure, &files)?;
 
     for (i, from) in names.iter().enumerate() {

@@ -3,6 +3,7 @@
 use crate::error::full_message;
 use crate::{Command, interrupt, print, read};
 use anyhow::Result;
+use lemons_core::files::words::shortened;
 use lemons_core::trial::Trial;
 use lemons_results::Run;
 use std::ffi::OsString;
@@ -47,7 +48,7 @@ pub fn call(words: &[OsString], run: Option<Arc<InMemory>>, stop: Arc<AtomicBool
         Ok(done) => Ok(Done { said, notes, ..done }),
         Err(error) => {
             let why = full_message(&error);
-            Err(notes.into_iter().chain([why]).collect::<Vec<_>>().join("\n"))
+            Err(notes.into_iter().chain([shortened(&why).into_owned()]).collect::<Vec<_>>().join("\n"))
         }
     }
 }

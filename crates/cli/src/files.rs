@@ -4,6 +4,7 @@
 //! - Two outputs never go into one file.
 //! - An existing file is replaced only with `--force`, or if it is a table or picture with the name that the command
 //!   gives it by default.
+//! - What another program has put into the place meanwhile is not replaced; the output then gets another name.
 //! - `-` is standard output, for a text or a picture; the command's messages go to standard error then.
 
 use crate::error::Misused;
@@ -11,7 +12,7 @@ use crate::print;
 use anyhow::{Context, Result, bail};
 use clap::{ArgMatches, Command};
 use crowd_mechanics::pack::Binary;
-use lemons_core::files::{Staged, target_of};
+use lemons_core::files::{Mark, Staged, mark_of, target_of};
 use lemons_core::trial::Trial;
 use lemons_decision::DECISION_FILE;
 use lemons_results::series_in;
@@ -19,7 +20,6 @@ use std::collections::HashMap;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::SystemTime;
 
 /// Names of options that name an output, and of the operand OUT. Every other path is an input.
 const OUTPUTS: [&str; 19] = [
@@ -70,7 +70,7 @@ struct Target {
     /// Path as the user calls it.
     path: PathBuf,
     place: PathBuf,
-    before: Option<SystemTime>,
+    before: Option<Mark>,
 }
 
 #[derive(Default)]
@@ -194,7 +194,14 @@ pub fn stage_new(path: &Path, goes_on: bool) -> Result<Staged> {
 /// # Errors
 /// It cannot be written.
 pub fn open(path: &Path) -> Result<Staged> {
-    let file = if is_standard_output(path) { standard_output() } else { Staged::beside(path) };
+    let file = if is_standard_output(path) {
+        standard_output()
+    } else {
+        Staged::beside(path).map(|staged| match with(|files| files.before(path)) {
+            Some(before) => staged.instead_of(before),
+            None => staged,
+        })
+    };
     file.with_context(|| format!("cannot write {}", path.display()))
 }
 
@@ -233,11 +240,26 @@ pub fn claim_series(directory: &Path) -> Result<Vec<PathBuf>> {
     Ok(there)
 }
 
+/// Checks, before something is written without [`open`], that nobody else has written what was claimed, or what was claimed
+/// in this directory.
+///
+/// # Errors
+/// Another program has written it meanwhile.
+pub fn check_still(path: &Path) -> Result<()> {
+    let changed = |target: &&Target| target.path.starts_with(path) && mark_of(&target.path) != target.before;
+    with(|files| match files.targets.iter().find(changed) {
+        Some(target) => {
+            bail!("cannot write {}: another program has written it meanwhile", target.path.display())
+        }
+        None => Ok(()),
+    })
+}
+
 /// Returns the outputs that are complete and in their places, as the user calls them.
 pub fn complete() -> Vec<PathBuf> {
     with(|files| {
         let done = files.targets.iter().filter(|target| {
-            let now = modified(&target.place);
+            let now = mark_of(&target.place);
             now.is_some() && now != target.before
         });
         done.map(|target| target.path.clone()).collect()
@@ -253,11 +275,6 @@ pub fn staying(trial: &Path, written: &[&str]) -> impl Iterator<Item = String> {
         .into_iter()
         .filter(|file| file.is_file())
         .map(|file| format!("warning: {} of the Trial that was there stays, and is used", file.display()))
-}
-
-/// The time when a regular file was written.
-fn modified(place: &Path) -> Option<SystemTime> {
-    place.metadata().ok().filter(|there| there.is_file())?.modified().ok()
 }
 
 impl Files {
@@ -292,9 +309,14 @@ impl Files {
         if self.targets.iter().any(|target| target.place == place) {
             bail!("cannot write {}: another result goes there", path.display());
         }
-        let before = modified(&place);
+        let before = mark_of(&place);
         self.targets.push(Target { path: path.to_owned(), place: place.clone(), before });
         Ok(place)
+    }
+
+    /// What was in the place of a file when it was claimed.
+    fn before(&self, path: &Path) -> Option<Option<Mark>> {
+        self.targets.iter().find(|target| target.path == path).map(|target| target.before)
     }
 
     fn claim(&mut self, path: &Path) -> Result<()> {

@@ -104,7 +104,9 @@ fn answer(request: &Request, address: SocketAddr, libraries: &Libraries) -> Answ
         let file = libraries.values().find(|(place, _)| place == path);
         match file.map(|(_, file)| input::read(file, input::LARGEST_BINARY)) {
             Some(Ok(content)) => ("200 OK", "so", content.into()),
-            _ => ("404 Not Found", "txt", b"there is no such file".into()),
+            // Perhaps too many files are open.
+            Some(Err(error)) => ("503 Service Unavailable", "txt", error.to_string().into_bytes().into()),
+            None => ("404 Not Found", "txt", b"there is no such file".into()),
         }
     };
     let frame = if query == "embed" { "" } else { NO_FRAME };

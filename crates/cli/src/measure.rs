@@ -9,24 +9,29 @@ mod text;
 
 use crate::check::walking::flat_push;
 use crate::error::{Misused, and_then};
-use crate::export::area;
+use crate::export::{area, area_of_heads};
 use crate::files::{self, Force};
 use crate::interrupt::Interrupt;
 use crate::numbers::{number, positive, seconds};
 use crate::output::Output;
 use crate::pictures::plot::Format;
 use crate::pictures::source::Source;
+use crate::print;
 use crate::run::{Until, until};
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::quantities::segments;
 use lemons_core::trial::Trial;
-use lemons_results::Record;
 use lemons_results::measure::{Line, MeasuringArea, Room};
+use lemons_results::{LEANING, Record};
 use options::{Named, line, measuring_area, name_all};
+use std::collections::BTreeSet;
 use std::fs::create_dir_all;
 use std::io::Write;
 use std::path::PathBuf;
 use summary::Summary;
+
+/// Names of people that are said.
+const MOST_NAMES: usize = 20;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -125,7 +130,7 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
 
     let (trial, record) = source.record_of(source.end(arguments.until)?, &interrupt)?;
     let has_areas = !arguments.areas.is_empty();
-    let room = has_areas.then(|| arguments.room(&record, trial.as_ref())).transpose()?;
+    let room = if has_areas { arguments.room(&record, trial.as_ref())? } else { None };
     let seen = pass::pass(arguments, &record, room.as_ref(), &interrupt)?;
     let (from, until) = seen.times;
     if !arguments.lines.is_empty() && (until - from) / arguments.window > MOST_WINDOWS {
@@ -204,14 +209,56 @@ impl Arguments {
         stiff.into_iter().chain(flat.map(|text| format!("push: {text}"))).collect()
     }
 
-    /// Returns where people can be.
-    fn room(&self, record: &Record, trial: Option<&Trial>) -> Result<Room> {
+    /// Returns where people can be; `None` if no walls or polygon say it of measured people.
+    fn room(&self, record: &Record, trial: Option<&Trial>) -> Result<Option<Room>> {
         let walls = trial.map_or(&[][..], |trial| &trial.geometry.walls);
-        let area = area(record, ("--walkable", self.walkable.as_deref()), walls)?;
+        let given = ("--walkable", self.walkable.as_deref());
+        let area = if record.trajectories().is_some() {
+            match area_of_heads(record, given, walls)? {
+                Some(area) => area,
+                None => {
+                    note!(
+                        "no Voronoi density: some people are further than {LEANING} m outside of the walls, which would \
+                         hold back nobody (where people can be: --walkable)"
+                    );
+                    return Ok(None);
+                }
+            }
+        } else {
+            area(record, given, walls)?
+        };
         for line in &area.said {
             // Here --area is something else.
             note!("{}", line.replace("--area", "--walkable"));
         }
-        Ok(Room::of(&area.polygon))
+        let room = Room::of(&area.polygon);
+        leaning(record, &room)?.iter().for_each(|line| note!("{line}"));
+        Ok(Some(room))
     }
+}
+
+/// Says who is outside of a room, and how far.
+fn leaning(record: &Record, room: &Room) -> Result<Option<String>> {
+    let (mut positions, mut farthest) = (0_usize, 0.0_f64);
+    let mut who = BTreeSet::new();
+    record.each(|_, frame| {
+        for (agent, motion) in frame.present() {
+            let (_, off) = room.nearest(motion.pose.position);
+            if off > 0.0 {
+                positions += 1;
+                farthest = farthest.max(off);
+                who.insert(agent);
+            }
+        }
+        Ok(())
+    })?;
+    let names: Vec<&String> = who.iter().map(|agent| &record.ids()[*agent]).collect();
+    Ok((positions > 0).then(|| {
+        format!(
+            "Voronoi density: {positions} positions of {} people are up to {farthest:.2} m outside of the walkable area, \
+             and count at the nearest place in it: {}",
+            names.len(),
+            print::few(&names, MOST_NAMES)
+        )
+    }))
 }

@@ -3,6 +3,7 @@
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_core::files::reader_left;
+use lemons_core::files::words::shortened;
 use std::cell::RefCell;
 use std::fmt;
 use std::io::{self, Write};
@@ -133,6 +134,8 @@ pub fn line(text: fmt::Arguments) -> io::Result<()> {
 
 /// See [`note!`]. Where nobody can hear it, there is nobody to tell.
 pub fn aside(text: fmt::Arguments) {
+    let text = text.to_string();
+    let text = shortened(&text);
     if is_caught() {
         CAUGHT.with_borrow_mut(|caught| {
             caught.iter_mut().for_each(|caught| caught.notes.push(text.to_string()))

@@ -3,6 +3,7 @@
 //! SI units; angles in radians, counter-clockwise positive. This module reads no files and knows nothing about crowds.
 
 mod bounds;
+mod ground;
 mod hull;
 pub mod overlay;
 mod polygon;
@@ -16,6 +17,7 @@ mod vec2;
 mod wkt;
 
 pub use bounds::Bounds;
+pub use ground::{ground, parts};
 pub use hull::{convex_hull, hull_meets};
 pub use polygon::Polygon;
 pub use pose::{Motion, Pose, Twist, shown_orientation};

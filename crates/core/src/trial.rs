@@ -18,7 +18,7 @@ mod schema;
 mod xml;
 
 pub use crate::xml::{Problem, Severity, quoted};
-pub use agents::{Agent, Shape};
+pub use agents::{Agent, BODY_MASS_INDEX, Shape};
 pub use documents::{Checked, FileNames, INTERACTIONS, Trial, output_names};
 pub use drive::{DRIVE_FILE, DriveChoice, DriveTable, Missed, Push, own_drive};
 pub use dynamics::{AgentDynamics, DynamicsElement, dynamics_xml};

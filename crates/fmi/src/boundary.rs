@@ -6,6 +6,7 @@ use crate::Version;
 use crate::location::Location;
 use crate::model::Model;
 use crate::slave::{Answer, Refusal, Slave, refuse};
+use lemons_core::files::words::shortened;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -94,7 +95,7 @@ impl Log {
     pub fn write(&self, status: Status, message: &str) {
         let category = match (status, self.logger) {
             (Status::Fatal, _) => 2,
-            (Status::Error, _) | (Status::Discard, Logger::V3(_) | Logger::Component(_)) => 1,
+            (Status::Error | Status::Discard, _) => 1,
             _ => 0,
         };
         if !(self.wanted[category] || self.wanted[ALL]) {
@@ -102,7 +103,7 @@ impl Log {
         }
         // Zeros inside would end the text early. Importers replace `#r6#` by the name of a variable, in FMI 3.0 `#6#`
         // (FMI 2.0.5, section 2.1.5; FMI 3.0, section 2.3.1).
-        let message = message.replace('\0', " ").replace('#', "##");
+        let message = shortened(message).replace('\0', " ").replace('#', "##");
         if let Logger::Component(logger) = self.logger {
             let instance_name = self.instance_name.to_str().unwrap_or_default();
             return logger(instance_name, status, LOG_CATEGORIES[category].0, &message);

@@ -38,6 +38,11 @@ impl<E: std::error::Error> From<E> for Refusal {
     }
 }
 
+/// What both versions say of a value out of its range: nothing has changed, and other values may do.
+fn out_of_range<T>(message: String) -> Answer<T> {
+    Err(Refusal { status: Status::Discard, message })
+}
+
 /// What FMI 3.0 says of a call that a model refuses: nothing has changed, and other values may do.
 fn discard<T>(version: Version, answer: Answer<T>) -> Answer<T> {
     answer.map_err(|refusal| match (version, refusal.status) {
@@ -464,7 +469,7 @@ impl<M: Model> Slave<M> {
                         format!("{value:?}")
                     };
                     let name = self.name(reference, Some(element));
-                    return discard(self.version, refuse(format!("{name} = {value}: must be {must}")));
+                    return out_of_range(format!("{name} = {value}: must be {must}"));
                 }
             }
             if let (Version::V3, Some(quantity)) = (self.version, row.quantity) {

@@ -6,6 +6,7 @@
 //! module `page`, which returns whether to stop.
 
 use crate::{Lab, Reply, Request};
+use lemons_core::files::words::shortened;
 use lemons_people::placing::Progress;
 use serde_json::{Value, json};
 use std::cell::RefCell;
@@ -63,7 +64,7 @@ pub fn answer(lab: &mut Lab, request: &[u8], watch: &mut lemons_people::placing:
     };
     match reply {
         Ok(Reply { value, bytes }) => joined(&json!({ "ok": value }), &bytes),
-        Err(refused) => joined(&json!({ "refused": refused }), &[]),
+        Err(refused) => joined(&json!({ "refused": shortened(&refused) }), &[]),
     }
 }
 

@@ -19,7 +19,7 @@ pub enum Motion {
     Own {},
     /// Nothing does.
     None {},
-    /// Pulses do, besides what the Trial's AgentDynamics.xml says.
+    /// Pulses do, and nothing else: whoever walks ahead is no part of a push.
     Push {
         pushes: Vec<Push>,
         /// Whether they have legs, and of which model.
@@ -66,8 +66,6 @@ pub struct Push {
 pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
     if !matches!(motion, Motion::Own {}) {
         driven = Driven::alone(driven.trial, driven.people);
-    }
-    if matches!(motion, Motion::None {} | Motion::Walk { .. } | Motion::Go { .. }) {
         for here in &mut driven.trial.dynamics {
             (here.fp, here.mp) = (Vec2::zeros(), 0.0);
         }

@@ -5,6 +5,8 @@
 //!
 //! The group codes of DXF are read by our own code (DESIGN.md, "Libraries", says why).
 
+mod areas;
+mod collinear;
 mod curve;
 mod dxf;
 mod geojson;
@@ -122,6 +124,8 @@ pub struct Line {
     pub closed: bool,
     /// Whether it is a hole of the polygon before.
     pub hole: bool,
+    /// Whether the format says that what is inside is ground: a polygon of well-known text.
+    pub ground: bool,
 }
 
 /// A drawing, in metres.
@@ -178,6 +182,14 @@ impl Drawing {
 pub fn left_out(((layer, kind), count): (&(String, String), &usize)) -> String {
     let layer = if layer.is_empty() { String::new() } else { format!(" on layer {layer:?}") };
     format!("{count} {kind}{layer}")
+}
+
+/// Names a few of many.
+fn some_of(all: &[String]) -> String {
+    const MOST_NAMED: usize = 20;
+    let more = all.len().saturating_sub(MOST_NAMED);
+    let named = all[..all.len() - more].join(", ");
+    if more > 0 { format!("{named} and {more} more") } else { named }
 }
 
 /// Refuses a name that is too long.

@@ -16,6 +16,7 @@ mod growth;
 mod kinds;
 mod light_xml;
 mod person;
+pub mod places;
 pub mod placing;
 mod population;
 mod random;

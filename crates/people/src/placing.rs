@@ -21,6 +21,7 @@ pub use dense::dense;
 pub use free_space::FreeSpace;
 pub use grid::grid;
 pub use paper::paper;
+pub(crate) use region::FARTHEST;
 pub use region::Region;
 
 /// \[m\] Overlaps up to this count as none: clothes yield far more.

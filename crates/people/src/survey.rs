@@ -7,15 +7,41 @@ use crate::error::{PeopleError, Result, require};
 use crate::person::{Measure, Person, Sex};
 use csv::{ReaderBuilder, StringRecord};
 use lemons_core::files::input;
-use lemons_core::trial::{Problem, Problems};
+use lemons_core::trial::{BODY_MASS_INDEX, Problem, Problems};
 use lemons_core::xml::decimal;
 use std::borrow::Cow;
 use std::fmt::Display;
 use std::path::Path;
 
+/// \[kg/m²\] About that of the survey's mean man and woman.
+const USUAL_INDEX: f64 = 26.0;
+
 /// The columns, in the order of [`Measure::ALL`], each with the number of its units in an SI unit.
 const COLUMNS: [(&str, f64); 4] =
     [("bideltoidbreadth", 1000.0), ("chestdepth", 1000.0), ("stature", 1000.0), ("weightkg", 10.0)];
+
+/// \[kg\] Units in which a column of masses may be by mistake: name, and what one of it is.
+const OTHER_UNITS: [(&str, f64); 3] = [("kg", 1.0), ("lb", 0.453_592_37), ("g", 0.001)];
+
+/// Says what is wrong with the mass of somebody who cannot be so heavy at their stature: a mass in another unit may be
+/// that of a child.
+fn fault_of_mass(person: &Person, value: f64) -> Option<String> {
+    let [least, most] = BODY_MASS_INDEX;
+    let index = |mass: f64| mass / person.stature.powi(2);
+    let own = index(person.mass);
+    if !own.is_finite() || (least..=most).contains(&own) {
+        return None;
+    }
+    let off = |unit: &f64| (index(value * unit) / USUAL_INDEX).ln().abs();
+    let nearest = OTHER_UNITS.into_iter().min_by(|(_, a), (_, b)| off(a).total_cmp(&off(b)));
+    let meant = nearest.filter(|(_, unit)| (least..=most).contains(&index(value * unit)));
+    let meant = meant.map_or(String::new(), |(unit, _)| format!("; is it in {unit}?"));
+    Some(format!(
+        "in tenths of a kg, {:.1} kg at a stature of {:.0} mm, is {own:.1} kg/m²: people have {least} to {most}{meant}",
+        person.mass,
+        1000.0 * person.stature
+    ))
+}
 
 /// The people of a survey.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -118,6 +144,10 @@ impl Survey {
                 let fault = format!("must not exceed {breadth}, {}", person.breadth * per_unit);
                 refuse(cell(depth, &record[places[1]], &fault));
             }
+            let mass = &record[places[3]];
+            if let Some(fault) = decimal(mass).and_then(|value| fault_of_mass(&person, value)) {
+                refuse(cell(COLUMNS[3].0, mass, &fault));
+            }
             people.push(person);
         }
         require(bad.is_empty(), || bad.to_string())?;
@@ -190,6 +220,29 @@ mod tests {
         let long =
             format!("bideltoidbreadth,chestdepth,stature,weightkg\n{},237,1776,815\n", "é\u{7}".repeat(5000));
         assert!(read(long.as_bytes()).unwrap_err().to_string().len() < 300);
+    }
+
+    /// A mass in another unit is that of somebody else of the same stature, and perhaps possible.
+    #[test]
+    fn masses_are_judged_by_stature() {
+        let said = |stature: u32, mass: &str| {
+            let row = format!("bideltoidbreadth,chestdepth,stature,weightkg\n493,237,{stature},{mass}\n");
+            read(row.as_bytes()).map(drop).map_err(|error| error.to_string()).err().unwrap_or_default()
+        };
+        // A man of 81.5 kg and 1.776 m in kg, lb and g; a woman of 54.3 kg and 1.581 m in kg.
+        assert_eq!(
+            said(1776, "81.5"),
+            "male.csv:2: weightkg = \"81.5\": in tenths of a kg, 8.2 kg at a stature of 1776 mm, is 2.6 kg/m²: people \
+             have 10 to 110; is it in kg?"
+        );
+        assert!(said(1776, "179.7").ends_with("is 5.7 kg/m²: people have 10 to 110; is it in lb?"));
+        assert!(said(1581, "54.3").ends_with("is it in kg?"));
+        assert!(said(1776, "81500").starts_with("male.csv:2: weightkg = \"81500\": must be within"));
+        assert!(said(1776, "4900").ends_with("155.3 kg/m²: people have 10 to 110"), "{}", said(1776, "4900"));
+        // The lightest and the heaviest that were measured, a child of 5 (18 kg, 1.10 m).
+        for (stature, mass) in [(1776, "815"), (1720, "301"), (1850, "3500"), (1100, "180")] {
+            assert_eq!(said(stature, mass), "");
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::CommandError;
 use crate::model::Model;
-use crate::recording::{frame_of, is_width};
+use crate::recording::{duration, frame_of, is_width};
 use lemons_cli::embedded::{Done, InMemory, call};
 use lemons_results::Run;
 use numpy::{PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods};
@@ -15,7 +15,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::Builder;
-use std::time::Duration;
 
 /// Byte size of the stack of a command, as that of a program.
 const STACK: usize = 8 << 20;
@@ -49,7 +48,7 @@ impl Task {
 
     /// Waits for its end, at most so long \[s\], and returns what came of it; None if it is not over.
     fn wait<'py>(&self, py: Python<'py>, seconds: f64) -> PyResult<Option<Made<'py>>> {
-        let wait = Duration::from_secs_f64(seconds);
+        let wait = duration(seconds)?;
         let got = py.detach(|| self.done.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(wait));
         let done = match got {
             Ok(done) => done.map_err(CommandError::new_err)?,
@@ -83,13 +82,18 @@ fn in_memory(run: &Bound<'_, PyAny>) -> PyResult<InMemory> {
     let leaving: bool = run.getattr("leaving")?.extract()?;
     let ids: Vec<String> = run.getattr("ids")?.extract()?;
     let each = numbers.shape()[2];
-    if numbers.shape()[1] != ids.len() || !is_width(each) {
+    let moments = times.as_slice()?;
+    let is_whole = numbers.shape()[..2] == [moments.len(), ids.len()]
+        && ids.len() == model.documents.trial.agents.len()
+        && moments.iter().all(|time| time.is_finite())
+        && moments.is_sorted_by(|earlier, later| earlier < later);
+    if !is_whole || !is_width(each) {
         return Err(PyValueError::new_err(
-            "the numbers of the run are not those of its people, or of another version",
+            "the times or numbers of the run are not those of its people, or of another version",
         ));
     }
     let numbers = numbers.as_slice()?.chunks_exact((ids.len() * each).max(1));
-    let frames = times.as_slice()?.iter().zip(numbers);
+    let frames = moments.iter().zip(numbers);
     let frames = frames.map(|(time, numbers)| frame_of(*time, numbers, each, leaving)).collect();
     let run = Run { source: run.repr()?.to_string().into(), ids, frames };
     Ok(InMemory { run, trial: model.documents.trial.clone() })

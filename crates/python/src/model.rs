@@ -1,7 +1,7 @@
 //! What is simulated: a Trial, its drive, and where its people walk.
 
 use crate::CommandError;
-use crate::simulation::refused;
+use crate::simulation::{refused, short};
 use crowd_mechanics::setup;
 use lemons_core::files::input;
 use lemons_core::files::source::Memory;
@@ -49,9 +49,9 @@ impl Model {
         let (documents, problems, plan) = read.map_err(|error| {
             let is_fmu = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu"));
             let advice = if is_fmu { OTHER_FMU } else { "" };
-            CommandError::new_err(format!("{}{advice}", whole(&error)))
+            CommandError::new_err(format!("{}{advice}", short(whole(&error))))
         })?;
-        Ok(Model { documents, plan, warnings: problems.iter().map(ToString::to_string).collect() })
+        Ok(Model { documents, plan, warnings: problems.iter().map(short).collect() })
     }
 
     /// Makes the model of its texts.
@@ -60,7 +60,7 @@ impl Model {
         let (name, directory, files, drive, toml) = texts;
         let mut memory = Memory::default();
         files.into_iter().for_each(|(path, text)| memory.put(&path, text.into_bytes()));
-        let wrong = |error: &dyn std::fmt::Display| PyValueError::new_err(error.to_string());
+        let wrong = |error: &dyn std::fmt::Display| PyValueError::new_err(short(error));
         let read = setup::read_from(&memory, &directory, &FileNames::default());
         let trial = Trial { name, ..read.map_err(|problems| wrong(&problems))?.0 };
         let drive = DriveTable::from_csv(drive.as_bytes()).map_err(|error| wrong(&error))?;
@@ -78,7 +78,7 @@ impl Model {
             }
         }
         let toml = plan.as_ref().map(Plan::to_toml).transpose();
-        let toml = toml.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let toml = toml.map_err(|error| PyValueError::new_err(short(error)))?;
         let texts = trial.texts(&trial.directory);
         let texts = (trial.name.clone(), trial.directory.clone(), texts, rows, toml);
         let make = py.get_type::<Model>().getattr("of_texts")?;
@@ -136,7 +136,7 @@ type People = (Vec<String>, Vec<f64>, Vec<f64>, Vec<f64>, Vec<Vec<[f64; 3]>>, Ve
 /// Reads the people of a Trial.
 #[pyfunction]
 pub fn read_people(directory: PathBuf) -> PyResult<People> {
-    let read = Trial::read(&directory).map_err(|problems| PyValueError::new_err(problems.to_string()))?;
+    let read = Trial::read(&directory).map_err(|problems| PyValueError::new_err(short(problems)))?;
     let Trial { agents, dynamics, .. } = read.0;
     let disk = |shape: &Shape| [shape.position.x, shape.position.y, shape.radius];
     Ok((
@@ -171,7 +171,7 @@ pub fn read_drive<'py>(py: Python<'py>, path: PathBuf, ids: Vec<String>) -> PyRe
         let drive = DriveTable::from_csv(file)?;
         drive.check_ids(known.iter().copied()).map(|()| drive)
     });
-    let drive = read.map_err(|error| PyValueError::new_err(error.of_file(&path).to_string()))?;
+    let drive = read.map_err(|error| PyValueError::new_err(short(error.of_file(&path))))?;
     drives(py, &drive, &known)
 }
 

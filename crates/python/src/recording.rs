@@ -1,15 +1,15 @@
 //! A run under way, and what is recorded of it.
 
 use crate::model::check_leaving;
-use crate::simulation::{Simulation, refused};
+use crate::simulation::{Simulation, check_finite, check_shape, refused};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_results::Frame;
 use lemons_results::columns::{ALL, FIRST_TOTAL, Groups, LEGS, MOTION, Row};
 use lemons_results::measure::{LATEST, Leaving, Over};
 use lemons_sim::stop::places;
 use lemons_sim::{Clock, SimError};
-use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3};
-use pyo3::exceptions::{PyMemoryError, PyValueError};
+use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyIndexError, PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -65,6 +65,12 @@ pub fn frame_of(time: f64, numbers: &[f64], each: usize, leaving: bool) -> Frame
     Frame { place: format!("t = {time:?} s"), ..Frame::of_rows(time, &rows, groups) }
 }
 
+/// A duration \[s\] as Python gives it.
+pub fn duration(seconds: f64) -> PyResult<Duration> {
+    Duration::try_from_secs_f64(seconds)
+        .map_err(|error| PyValueError::new_err(format!("a duration of {seconds:?} s: {error}")))
+}
+
 /// A run: its communication points, what pushes people in it, when it ends, and its frames.
 #[pyclass(module = "lemons_fmu._native")]
 pub struct Recording {
@@ -96,6 +102,7 @@ impl Recording {
         };
         let leaving = if until.is_none() { Some(leaving()?) } else { None };
         let simulation = &simulation.simulation;
+        simulation.world().ok_or_else(|| refused(SimError::NotBegun))?;
         let clock = Clock::new(simulation.time(), step, until.unwrap_or(LATEST));
         let clock = clock.map_err(|error| PyValueError::new_err(error.to_string()))?;
         let (people, each) = (simulation.ids().len(), numbers_of_each(&simulation.frame()));
@@ -118,15 +125,26 @@ impl Recording {
     }
 
     /// All communication points \[s\], from the first to the last.
-    fn points<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let steps = (0..self.clock.steps).map(|k| self.clock.end(k));
-        let points: Vec<f64> = [self.clock.start].into_iter().chain(steps).collect();
-        points.into_pyarray(py)
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let steps = self.clock.steps;
+        let mut points = Vec::new();
+        points
+            .try_reserve_exact(steps as usize + 1)
+            .map_err(|_| PyMemoryError::new_err(format!("the memory does not hold {steps} steps")))?;
+        points.push(self.clock.start);
+        points.extend((0..steps).map(|k| self.clock.end(k)));
+        Ok(points.into_pyarray(py))
     }
 
     /// Pushes these agents in each step: shape (steps, agents, 3).
     fn push(&mut self, agents: Vec<usize>, pushes: PyReadonlyArray3<'_, f64>) -> PyResult<()> {
-        (self.pushed, self.pushes) = (agents, pushes.as_slice()?.to_vec());
+        if let Some(agent) = agents.iter().find(|agent| **agent >= self.people) {
+            return Err(PyIndexError::new_err(format!("agent {agent}: there are {} agents", self.people)));
+        }
+        check_shape(pushes.shape(), &[self.clock.steps as usize, agents.len(), 3])?;
+        let pushes = pushes.as_slice()?;
+        check_finite(pushes, |k| agents[k % agents.len()])?;
+        (self.pushed, self.pushes) = (agents, pushes.to_vec());
         Ok(())
     }
 
@@ -161,8 +179,12 @@ impl Recording {
         most: u64,
         seconds: f64,
     ) -> PyResult<()> {
-        py.detach(|| self.advance_for(&mut simulation.simulation, most, Duration::from_secs_f64(seconds)))
-            .map_err(refused)
+        let own = &mut simulation.simulation;
+        if own.ids().len() != self.people {
+            return Err(refused("the run is that of another simulation"));
+        }
+        let time = duration(seconds)?;
+        py.detach(|| self.advance_for(own, most, time)).map_err(refused)
     }
 
     /// Gives what was recorded, without a copy: times, and the numbers of all agents.

@@ -4,9 +4,13 @@ use crate::SimulationError;
 use crate::model::Model;
 use crate::recording::{numbers_of_each, observe};
 use crowd_mechanics::engine::{Wrench, vec2};
-use lemons_sim::Algorithm;
+use lemons_core::files::words::shortened;
 use lemons_sim::settings::Value;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use lemons_sim::{Algorithm, SimError};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyUntypedArrayMethods,
+};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyBytes, PyFloat, PyInt, PyString};
@@ -19,9 +23,14 @@ pub struct Simulation {
     pub(crate) leaving: Vec<bool>,
 }
 
+/// The message of an error.
+pub fn short(error: impl std::fmt::Display) -> String {
+    shortened(&error.to_string()).into_owned()
+}
+
 /// An error of the simulation, in Python.
 pub fn refused(error: impl std::fmt::Display) -> PyErr {
-    SimulationError::new_err(error.to_string())
+    SimulationError::new_err(short(error))
 }
 
 /// Returns the algorithm of this name.
@@ -50,6 +59,21 @@ pub fn text_of(value: &Bound<'_, PyAny>) -> PyResult<String> {
         let text = value.repr()?;
         Err(PyTypeError::new_err(format!("{text} is neither a number, nor True or False, nor a text")))
     }
+}
+
+/// Checks that an array has a shape.
+pub fn check_shape(shape: &[usize], wanted: &[usize]) -> PyResult<()> {
+    if shape == wanted {
+        return Ok(());
+    }
+    Err(PyValueError::new_err(format!("the array has the shape {shape:?}, not {wanted:?}")))
+}
+
+/// Checks pushes, three numbers each; `agent` is who is pushed by the k-th of them.
+pub fn check_finite(pushes: &[f64], agent: impl Fn(usize) -> usize) -> PyResult<()> {
+    let Some(k) = pushes.iter().position(|push| !push.is_finite()) else { return Ok(()) };
+    let name = ["Fp.x", "Fp.y", "Mp"][k % 3];
+    Err(refused(format!("agent[{}].{name} = {:?}: must be finite", agent(k / 3), pushes[k])))
 }
 
 #[pymethods]
@@ -118,11 +142,9 @@ impl Simulation {
 
     /// Pushes everybody: Fp.x, Fp.y \[N\], Mp \[N.m\], shape (N, 3).
     fn push(&mut self, pushes: PyReadonlyArray2<'_, f64>) -> PyResult<()> {
+        check_shape(pushes.shape(), &[self.simulation.ids().len(), 3])?;
         let pushes = pushes.as_slice()?;
-        if let Some(k) = pushes.iter().position(|push| !push.is_finite()) {
-            let name = ["Fp.x", "Fp.y", "Mp"][k % 3];
-            return Err(refused(format!("agent[{}].{name} = {:?}: must be finite", k / 3, pushes[k])));
-        }
+        check_finite(pushes, |k| k)?;
         for (agent, push) in pushes.chunks_exact(3).enumerate() {
             let push = Wrench { force: vec2(push[0], push[1]), torque: push[2] };
             self.simulation.push(agent, push);
@@ -132,8 +154,7 @@ impl Simulation {
 
     /// What drives everybody: Fp.x, Fp.y \[N\], Mp \[N.m\], shape (N, 3).
     fn drive<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let world = self.simulation.world();
-        let world = world.ok_or_else(|| refused("the simulation has not begun"))?;
+        let world = self.simulation.world().ok_or_else(|| refused(SimError::NotBegun))?;
         let drive: Vec<f64> =
             world.drive.iter().flat_map(|drive| [drive.force.x, drive.force.y, drive.torque]).collect();
         drive.into_pyarray(py).reshape([world.drive.len(), 3])
@@ -141,6 +162,7 @@ impl Simulation {
 
     /// Takes people out, or lets them come back.
     fn set_active(&mut self, active: PyReadonlyArray1<'_, bool>) -> PyResult<()> {
+        check_shape(active.shape(), &[self.simulation.ids().len()])?;
         for (agent, active) in active.as_slice()?.iter().enumerate() {
             self.simulation.set_present(agent, *active);
         }
@@ -149,6 +171,7 @@ impl Simulation {
 
     /// The numbers of everybody, shape (N, 15), or (N, 20) with legs.
     fn observe<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.simulation.world().ok_or_else(|| refused(SimError::NotBegun))?;
         let frame = self.simulation.frame();
         let mut numbers = Vec::new();
         observe(&frame, &mut numbers);
@@ -167,6 +190,6 @@ impl Simulation {
 
     /// Warnings since the last call.
     fn take_warnings(&mut self) -> Vec<String> {
-        self.simulation.take_warnings()
+        self.simulation.take_warnings().iter().map(short).collect()
     }
 }

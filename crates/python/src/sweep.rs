@@ -1,13 +1,13 @@
 //! The points of a sweep, what they simulate, and the table of their results.
 
 use crate::model::{Model, check_leaving};
-use crate::simulation::{algorithm_of, refused};
+use crate::simulation::{algorithm_of, refused, short};
 use lemons_master::PlanChoice;
 use lemons_results::measure::LATEST;
 use lemons_sim::Clock;
 use lemons_sweep::{Finished, Measured, Models, Plan, Template, check_parameters, identity};
 use pyo3::create_exception;
-use pyo3::exceptions::{PyException, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyException, PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyInt, PyString};
 use serde_json::{Map, Value};
@@ -21,7 +21,7 @@ create_exception!(
 );
 
 fn wrong(error: impl std::fmt::Display) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    PyValueError::new_err(short(error))
 }
 
 /// The points of a sweep: a row of parameter values for each, and what they simulate.
@@ -103,8 +103,12 @@ impl Study {
     }
 
     /// The value of a parameter at a point.
-    fn value(&self, py: Python<'_>, column: usize, point: usize) -> Py<PyAny> {
-        self.columns[column][self.points.parameters[column].place(point)].clone_ref(py)
+    fn value(&self, py: Python<'_>, column: usize, point: usize) -> PyResult<Py<PyAny>> {
+        self.check_point(point)?;
+        let parameter = self.points.parameters.get(column);
+        let parameter =
+            parameter.ok_or_else(|| PyIndexError::new_err(format!("there is no column {column}")))?;
+        Ok(self.columns[column][parameter.place(point)].clone_ref(py))
     }
 
     /// Each model's path, the path of its plan, and whether people walk.
@@ -118,8 +122,9 @@ impl Study {
     }
 
     /// The place of a point's model.
-    fn place(&self, point: usize) -> usize {
-        self.models.place(point)
+    fn place(&self, point: usize) -> PyResult<usize> {
+        self.check_point(point)?;
+        Ok(self.models.place(point))
     }
 
     /// The places of parameters that are set: the others only choose a model.
@@ -153,6 +158,15 @@ impl Study {
     }
 }
 
+impl Study {
+    fn check_point(&self, point: usize) -> PyResult<()> {
+        if point < self.points.count {
+            return Ok(());
+        }
+        Err(PyIndexError::new_err(format!("point {point}: there are {}", self.points.count)))
+    }
+}
+
 /// A finished point: its number, its measures by their names, or the message of its failure.
 type Row<'py> = (usize, Option<Bound<'py, PyDict>>, Option<String>);
 
@@ -161,7 +175,7 @@ type Row<'py> = (usize, Option<Bound<'py, PyDict>>, Option<String>);
 pub struct Table(Option<lemons_sweep::Table>);
 
 fn cannot(error: lemons_sweep::Error) -> PyErr {
-    SweepError::new_err(error.whole())
+    SweepError::new_err(short(error.whole()))
 }
 
 #[pymethods]

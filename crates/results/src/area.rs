@@ -3,15 +3,20 @@
 use crate::outlines::{Outline, outlines};
 use crate::shapes::check;
 use lemons_core::plane::overlay::{Contour, Fill, Polygons, contour, difference, ring, union};
-use lemons_core::plane::{Bounds, Polygon, Ring, Vec2, convex_hull, segments_touch, vec2};
+use lemons_core::plane::{Bounds, Polygon, Ring, Vec2, convex_hull, nearest_on_line, segments_touch, vec2};
 use lemons_core::trial::Wall;
 
 /// \[m\] Distance of a bounding box from people and walls: more than half of a person's breadth.
 pub const MARGIN: f64 = 0.5;
 /// \[m\] Thickness that a wall inside the area gets: a polygon cannot have a line for a wall.
 pub const THICKNESS: f64 = 0.02;
+/// \[m\] A head that is so near to a wall is not beyond it: people lean over barriers.
+pub const LEANING: f64 = 0.5;
 /// \[1/m\] A calculated corner is given to one part in so many of a metre.
 const GRAINS: f64 = 1e6;
+
+/// Said where walls do not help.
+const IN_A_BOX: &str = "no wall is around everybody";
 
 /// The area where people can be.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +53,7 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
         outline
     } else {
         said.push(format!(
-            "walkable area: no wall is around everybody: the bounding box of people and walls and {MARGIN} m more \
+            "walkable area: {IN_A_BOX}: the bounding box of people and walls and {MARGIN} m more \
              (a polygon of your own: --area)"
         ));
         bounding_box(walls.iter().flat_map(|wall| wall.corners.iter().copied()).chain(positions.clone()))
@@ -95,6 +100,24 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
         }
     }
     Area { polygon, said }
+}
+
+/// Returns the area of people whose heads were measured at these positions \[m\]: the [`walkable_area`] of all but those who
+/// lean over a wall. `None` if walls are around some of the others only: then no wall would hold anybody back.
+pub fn measured_area(walls: &[Wall], positions: &[Vec2]) -> Option<Area> {
+    let (known, _) = outlines(walls);
+    let is_inside = |p: &Vec2| known.iter().any(|outline| outline.ring.contains(*p));
+    let leans = |p: &Vec2| {
+        let near = walls
+            .iter()
+            .map(|wall| nearest_on_line(&wall.corners, *p).distance)
+            .fold(f64::INFINITY, f64::min);
+        near <= LEANING && !is_inside(p)
+    };
+    let upright: Vec<Vec2> = positions.iter().copied().filter(|p| !leans(p)).collect();
+    let area = walkable_area(walls, upright.iter().copied());
+    let is_box = area.said.iter().any(|said| said.contains(IN_A_BOX));
+    (!is_box || !upright.iter().any(is_inside)).then_some(area)
 }
 
 /// Returns the area that a user gives as well-known text, `POLYGON ((x y, …), (hole), …)` in m.

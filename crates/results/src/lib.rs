@@ -29,7 +29,7 @@ mod table;
 mod text;
 mod trajectories;
 
-pub use area::{Area, MARGIN, THICKNESS, given_area, walkable_area};
+pub use area::{Area, LEANING, MARGIN, THICKNESS, given_area, measured_area, walkable_area};
 pub use cell::{Cell, CellType};
 pub use error::RecordError;
 #[cfg(feature = "sqlite")]

@@ -150,6 +150,9 @@ impl<'a> Rows<'a> {
         if self.rows.len() == MOST_ROWS {
             return Err(self.wrong(n, format!("there are more than {MOST_ROWS} rows: too many")));
         }
+        if self.rows.try_reserve(1).is_err() {
+            return Err(self.wrong(n, "there are more rows than the memory holds"));
+        }
         let n = u32::try_from(n).unwrap_or(u32::MAX);
         self.rows.push(Row { frame, id, person: 0, n, position: p, orientation, velocity: UNKNOWN });
         Ok(())

@@ -74,6 +74,20 @@ pub enum SimError {
         /// The name that is probably meant.
         meant: Option<String>,
     },
+    /// A start time is not finite.
+    #[error("start time {0:?} s: must be finite")]
+    Start(f64),
+    /// There is no such communication point.
+    #[error("communication step to {to:?} s: must be finite, and after {from:?} s")]
+    Step {
+        /// \[s\] What was given.
+        to: f64,
+        /// \[s\] The last communication point.
+        from: f64,
+    },
+    /// It steps before it has begun.
+    #[error("the simulation has not begun")]
+    NotBegun,
     /// A saved state is damaged, or of other documents.
     #[error("the state is damaged or is not a state of this Trial")]
     State,
@@ -147,8 +161,11 @@ impl Simulation {
     /// Begins at a time \[s\]. The tolerance \[m\], if there is one, may shorten the mechanical step (docs/step.md).
     ///
     /// # Errors
-    /// The values that were set do not fit together, or no ways to exits and goals can be found.
+    /// The values that were set do not fit together, no ways to exits and goals can be found, or the time is not finite.
     pub fn begin(&mut self, start: f64, tolerance: Option<f64>) -> Result<(), SimError> {
+        if !start.is_finite() {
+            return Err(SimError::Start(start));
+        }
         self.time = start;
         let crowd = &mut self.crowd.model;
         crowd.set_tolerance(tolerance);
@@ -194,8 +211,14 @@ impl Simulation {
     /// Steps to a communication point \[s\].
     ///
     /// # Errors
-    /// The crowd or Decision refuses the step, or fails.
+    /// The crowd or Decision refuses the step, or fails; the time is not finite, or not after the last one.
     pub fn step_to(&mut self, time: f64) -> Result<(), SimError> {
+        if self.world().is_none() {
+            return Err(SimError::NotBegun);
+        }
+        if !(time > self.time && (time - self.time).is_finite()) {
+            return Err(SimError::Step { to: time, from: self.time });
+        }
         let (from, step) = (self.time, time - self.time);
         let walking = self.world().filter(|_| self.walks());
         let motions: Vec<_> = walking.into_iter().flat_map(motions).map(|motion| seen(&motion)).collect();

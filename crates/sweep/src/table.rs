@@ -234,10 +234,14 @@ impl Table {
     /// Appends rows. They stay there even if the power fails.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// The file cannot be written, or there is no such point.
     pub fn add(&mut self, rows: &[Finished]) -> Result<()> {
         if rows.is_empty() {
             return Ok(());
+        }
+        let unknown = rows.iter().map(|row| row.point).find(|point| *point >= self.points.count);
+        if let Some(point) = unknown {
+            return Err(Error::Table(format!("there is no point {point}: there are {}", self.points.count)));
         }
         let mut text = Vec::new();
         for row in rows {

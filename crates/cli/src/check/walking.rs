@@ -5,7 +5,7 @@ use lemons_core::plane::{InPlane, Vec2, segments_cross, vec2};
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
 use lemons_decision::rule::UNLIMITED;
-use lemons_decision::target::Ways;
+use lemons_decision::target::{Target, Ways};
 use lemons_decision::walking_model::WalkingModel;
 
 /// \[m\] People whose ways are further apart than this do not meet.
@@ -69,6 +69,35 @@ pub fn flat_push(plan: &Plan) -> Option<&'static str> {
     let limited = || plan.agents.iter().any(|agent| agent.walker.push < UNLIMITED);
     let queues = matches!(plan.walking_model, WalkingModel::Rotational(_));
     (queues && (limited() || changed())).then_some(FLAT_PUSH)
+}
+
+/// \[m\] Walls keep the centre of everybody who walks so far away.
+const AT_A_WALL: f64 = 0.2;
+
+/// Doubts exits whose line lies so near before a wall, all along, that bodies do not reach it.
+pub fn exits_at_walls(plan: &Plan) -> Vec<String> {
+    let deep = plan.agents.iter().map(|agent| 0.5 * agent.depth()).fold(AT_A_WALL, f64::max);
+    let walls = plan.polylines();
+    let hidden = |from: Vec2, way: Vec2| {
+        walls
+            .iter()
+            .flat_map(|wall| wall.windows(2))
+            .any(|ends| segments_cross(from, from + way, ends[0], ends[1]))
+    };
+    let exits = plan.targets.iter().filter(|target| !target.stay && target.corners.len() == 2);
+    let doubt = |exit: &Target| {
+        let [a, b] = [0, 1].map(|k| Vec2::from(exit.corners[k]));
+        let across = (b - a).left().unit(0.0)? * deep;
+        let behind = |way: Vec2| [0.25, 0.5, 0.75].iter().all(|share| hidden(a + (b - a) * *share, way));
+        (behind(across) || behind(-across)).then(|| {
+            format!(
+                "exit {:?} from ({:.2}, {:.2}) to ({:.2}, {:.2}) m lies less than {deep:.2} m before a wall: not everybody gets so \
+                 near, and who does not reach the line does not leave",
+                exit.name, a.x, a.y, b.x, b.y
+            )
+        })
+    };
+    exits.filter_map(doubt).collect()
 }
 
 /// The first way of somebody.

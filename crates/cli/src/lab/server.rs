@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Result, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 use std::thread::{Builder, sleep};
 use std::time::Duration;
 
@@ -14,7 +14,9 @@ const MOST_CONNECTIONS: usize = 64;
 const LARGEST_HEAD: usize = 16_384;
 /// Longest time for the next part of a request to come, and for the next part of an answer to be taken.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Kinds of errors after which there may be a connection later.
+/// Until it is looked again for a connection.
+const PAUSE: Duration = Duration::from_millis(10);
+/// Kinds of errors that say that nobody asks.
 const NOTHING: [ErrorKind; 3] = [ErrorKind::WouldBlock, ErrorKind::Interrupted, ErrorKind::ConnectionAborted];
 
 /// A request.
@@ -33,10 +35,11 @@ pub struct Answer {
     pub content: Cow<'static, [u8]>,
 }
 
-/// Answers each connection once, as long as it `goes_on`. No connection waits for another one.
+/// Answers each connection once, as long as it `goes_on`. No connection waits for another one. Where no more files can be
+/// open, or no thread can be had, the oldest connection ends, and the next one waits.
 ///
 /// # Errors
-/// No connection can be taken.
+/// The listener cannot be used.
 pub fn serve(
     listener: &TcpListener,
     goes_on: impl Fn() -> bool,
@@ -44,28 +47,35 @@ pub fn serve(
 ) -> Result<()> {
     listener.set_nonblocking(true)?;
     let answer = &answer;
-    // The newest connections, some of which have ended.
-    let mut newest: VecDeque<Arc<TcpStream>> = VecDeque::new();
-    let close = |connection: Option<Arc<TcpStream>>| connection.map(|it| it.shutdown(Shutdown::Both));
+    // The newest connections. Their threads alone keep them open: an answered one takes no descriptor.
+    let mut newest: VecDeque<Weak<TcpStream>> = VecDeque::new();
+    let close = |connection: Weak<TcpStream>| connection.upgrade().map(|it| it.shutdown(Shutdown::Both));
     std::thread::scope(|scope| {
-        let mut result = Ok(());
-        while result.is_ok() && goes_on() {
+        while goes_on() {
+            newest.retain(|connection| connection.strong_count() > 0);
             let begun = listener.accept().and_then(|(stream, _)| {
                 let stream = Arc::new(stream);
-                newest.push_back(stream.clone());
-                Builder::new().spawn_scoped(scope, move || serve_one(&stream, answer))
+                let connection = Arc::downgrade(&stream);
+                Builder::new().spawn_scoped(scope, move || serve_one(&stream, answer))?;
+                Ok(connection)
             });
-            match begun {
-                Ok(_) if newest.len() <= MOST_CONNECTIONS => {}
-                Err(error) if NOTHING.contains(&error.kind()) => sleep(Duration::from_millis(10)),
-                Err(error) if newest.is_empty() => result = Err(error),
-                // Also where too many files are open, or no thread can be had.
-                _ => drop(close(newest.pop_front())),
+            let is_full = match begun {
+                Ok(connection) => {
+                    newest.push_back(connection);
+                    newest.len() > MOST_CONNECTIONS
+                }
+                Err(error) => {
+                    sleep(PAUSE);
+                    !NOTHING.contains(&error.kind())
+                }
+            };
+            if is_full {
+                newest.pop_front().map(close);
             }
         }
-        newest.into_iter().for_each(|connection| drop(close(Some(connection))));
-        result
-    })
+        newest.into_iter().for_each(|connection| drop(close(connection)));
+    });
+    Ok(())
 }
 
 /// Reads a request, and sends the answer.

@@ -75,8 +75,8 @@ pub struct OfArea {
     pub people: MeanMax,
     /// \[1/m²\]
     pub density: MeanMax,
-    /// \[1/m²\]
-    pub voronoi_density: MeanMax,
+    /// \[1/m²\] null: where people can be is not known.
+    pub voronoi_density: Option<MeanMax>,
     /// \[m/s\] Of the frames with anybody.
     pub speed: Option<MeanMax>,
 }
@@ -239,7 +239,7 @@ fn area(SeenArea { name, area, over_time }: &SeenArea<'_>) -> OfArea {
         area: area.area(),
         people: of(|seen| seen.people as f64),
         density: of(|seen| seen.density),
-        voronoi_density: of(|seen| seen.voronoi_density.unwrap_or(f64::NAN)),
+        voronoi_density: MeanMax::of(over_time.iter().filter_map(|seen| seen.voronoi_density)),
         speed: MeanMax::of(over_time.iter().filter_map(|seen| seen.speed)),
     }
 }

@@ -104,7 +104,7 @@ fn of_area(out: &mut impl Write, area: &OfArea) -> Result<()> {
     for (label, value, unit) in [
         ("people", Some(area.people), ""),
         ("density, N/A", Some(area.density), "1/m²"),
-        ("density, Voronoi", Some(area.voronoi_density), "1/m²"),
+        ("density, Voronoi", area.voronoi_density, "1/m²"),
         ("speed", area.speed, "m/s"),
     ] {
         let values = [value.map(|MeanMax { mean, .. }| mean), value.map(|MeanMax { max, .. }| max)];
@@ -155,7 +155,10 @@ fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
 fn of_balance(out: &mut impl Write, balance: &OfBalance, people: usize) -> Result<()> {
     let OfBalance { fallen, steps, time_unbalanced, lean } = balance;
     let noun = if *steps == 1 { "step" } else { "steps" };
-    writeln!(out, "\nbalance: {fallen} of {people} people fell; {steps} {noun} in all")?;
+    writeln!(
+        out,
+        "\nbalance: {fallen} of {people} people fell (who walks cannot fall); {steps} {noun} in all"
+    )?;
     writeln!(out, "{:>31} {:>10} {:>10}", "median", "90 %", "greatest")?;
     of_people(out, "time unbalanced", Some(time_unbalanced), "s", "")?;
     of_people(out, "largest lean", Some(lean), "m", "")

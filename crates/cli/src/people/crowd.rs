@@ -60,9 +60,8 @@ pub struct Arguments {
 #[derive(clap::Args)]
 #[command(next_help_heading = "Trial and FMU (pedestrians only)")]
 struct TrialArguments {
-    /// Write the crowd as a Trial directory. One that lemons crowd has written there, and that nobody has
-    /// changed since, is replaced; if it was another one, the command says so: results made from it no
-    /// longer fit
+    /// Write the crowd as a Trial directory. The files of a Trial that is there are replaced with --force
+    /// only; results made from it no longer fit then
     #[arg(short, long, value_name = "TRIAL")]
     output: Option<PathBuf>,
     /// Write the Trial as a zip
@@ -326,12 +325,14 @@ impl TrialArguments {
         }
         interrupt.check()?;
         if let Some(file) = &self.zip {
-            wrote("zip", file, write_trial_zip(trial, beside, file).map_err(Into::into));
+            let free = files::check_still(file);
+            wrote("zip", file, free.and_then(|()| Ok(write_trial_zip(trial, beside, file)?)));
         }
         interrupt.check()?;
         if let Some(directory) = &self.output {
-            let written = write_trial(trial, beside, directory, self.force);
-            wrote("Trial", directory, written.map_err(Into::into));
+            let free = files::check_still(directory);
+            let written = free.and_then(|()| Ok(write_trial(trial, beside, directory, self.force)?));
+            wrote("Trial", directory, written);
         }
         Ok(done)
     }

@@ -116,6 +116,11 @@ impl LeaveArguments {
         if !self.leave {
             return balance;
         }
+        if self.balance.is_some() {
+            note!(
+                "note: --balance: legs act on those who stand, before they start or at a goal; who walks cannot fall"
+            );
+        }
         let model = self.model.as_deref().unwrap_or("rotational");
         let speed = speed.unwrap_or(lemons_decision::DEFAULT_SPEED);
         let mut text = format!("model = {model:?}\n{balance}desired_speed = {speed:?}          # [m/s]\n");

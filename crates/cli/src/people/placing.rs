@@ -12,7 +12,8 @@ use clap::ValueEnum;
 use lemons_core::files::source::Disk;
 use lemons_core::plane::{Bounds, Pose, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
-use lemons_people::drawing::{Format, Read};
+use lemons_people::drawing::{Format, Place as DrawnPlace, Read};
+use lemons_people::places::inside;
 use lemons_people::placing::{
     Ended, FreeSpace, Method, Orientation, Packing, Progress, Region, Settings, Stage,
 };
@@ -169,7 +170,7 @@ impl PlacingArguments {
             }
             (None, None) => (walls(&[], ""), "the open".to_owned(), Ok(Region::plane())),
         };
-        let regions = self.regions_of(drawn.as_ref());
+        let regions = self.regions_of(drawn.as_ref())?;
         // A drawing has open walls, too.
         let outline = drawn.as_ref().and_then(|drawn| Some(&drawn.plan.walls[drawn.plan.outline?]));
         let grounds = if let (Some(outline), Err(_), true) = (outline, &whole, regions.is_empty()) {
@@ -216,7 +217,7 @@ impl PlacingArguments {
             if door.width < NARROW {
                 note!(
                     "note: --door: door {number} is {} m wide: people are about {NARROW} m broad, and may get stuck",
-                    door.width
+                    (door.width * 1e6).round() / 1e6
                 );
             }
             // A corner lies between the ends of the gap.
@@ -243,12 +244,22 @@ impl PlacingArguments {
     }
 
     /// The regions that were given, else those of the drawing.
-    fn regions_of(&self, drawn: Option<&Read>) -> Vec<RegionArgument> {
-        let Some(drawn) = drawn.filter(|_| self.regions.is_empty()) else { return self.regions.clone() };
-        for (k, place) in drawn.plan.distributions.iter().enumerate() {
+    fn regions_of(&self, drawn: Option<&Read>) -> Result<Vec<RegionArgument>> {
+        let Some(drawn) = drawn.filter(|_| self.regions.is_empty()) else { return Ok(self.regions.clone()) };
+        let placed = |place: &&DrawnPlace| inside(&drawn.plan, &place.corners).is_some();
+        for (k, place) in drawn.plan.distributions.iter().filter(placed).enumerate() {
             note!("region {k}: distribution {:?} of the drawing", place.name);
         }
-        drawn.plan.distributions.iter().map(|place| RegionArgument::of(place.corners.clone())).collect()
+        // Outside the walls nobody stands.
+        let cut = drawn.plan.distributions.iter().map(|place| inside(&drawn.plan, &place.corners));
+        let cut: Vec<_> = cut.flatten().map(RegionArgument::of).collect();
+        if let (true, Some(first)) = (cut.is_empty(), drawn.plan.distributions.first()) {
+            bail!(
+                "distribution {:?} of the drawing lies outside the walls: nobody can be placed there (--region)",
+                first.name
+            );
+        }
+        Ok(cut)
     }
 
     /// What to do about a wall that is open.

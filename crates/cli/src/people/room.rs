@@ -145,6 +145,8 @@ pub fn said(read: &Read, path: &Path) -> Vec<(&'static str, String)> {
     for (what, how) in &mut said {
         *how += match *what {
             "moved" => " (--origin)",
+            "far" => ": --origin moves the room there",
+            "unit?" => ": give --unit",
             "gaps left" => ": --close joins them",
             "door" => ": lemons crowd cuts it",
             _ => "",

@@ -288,3 +288,45 @@ fn a_long_table_is_exported_and_drawn_in_little_memory() {
     assert!(!within(ENOUGH, at, &all).status.success());
     assert!(within(10 * ENOUGH, at, &all).status.success());
 }
+
+/// Which of two runs ends first is not known: here the other one is a file that appears while a run is held.
+#[test]
+fn what_another_program_writes_meanwhile_stays_and_the_run_is_told() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    push(at, "--until 3 -o alone.csv", 0);
+    let alone = read(at, "alone.csv");
+    let begun = || names(at).iter().any(|name| name.starts_with(".lemons-"));
+    // The first name is one that a run may replace, if it was there before.
+    for (file, other) in [("trajectories.csv", "trajectories-2.csv"), ("x.csv", "x-2.csv")] {
+        let child = started(at, &["run", &trial(), "--until", "3", "-o", file]);
+        let send = |signal: &str| {
+            assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+        };
+        while !begun() {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        send("-STOP");
+        File::create_new(at.join(file)).unwrap().write_all(b"of another run").unwrap();
+        send("-CONT");
+        let said = said(&child.wait_with_output().unwrap(), 1);
+        let named = at.canonicalize().unwrap().join(other);
+        let expected = format!(
+            "{file}: cannot be written: another program has written it meanwhile; this result is in {}",
+            named.display()
+        );
+        assert!(said.contains(&expected), "{said}");
+        assert!(read(at, file) == b"of another run" && read(at, other) == alone);
+    }
+    // A Trial, whose files are claimed one by one.
+    let child = started(at, &["crowd", "-n", "400", "--box", "10x10", "-o", "crowd", "--obj", "bodies.obj"]);
+    while !begun() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    fs::create_dir(at.join("crowd")).unwrap();
+    fs::write(at.join("crowd/Parameters.xml"), "of another crowd").unwrap();
+    let said = said(&child.wait_with_output().unwrap(), 1);
+    let expected = "cannot write crowd/Parameters.xml: another program has written it meanwhile";
+    assert!(said.contains(expected), "{said}");
+    assert_eq!(names(&at.join("crowd")), ["Parameters.xml"]);
+}

@@ -115,6 +115,48 @@ impl Scratch {
         self.0.clear();
         Ok(())
     }
+
+    /// Moves a file to a place where nothing is.
+    ///
+    /// # Errors
+    /// Something is there, or it cannot be moved; then the file is given back.
+    pub(crate) fn persist_new(mut self, place: &Path) -> Result<(), (Scratch, io::Error)> {
+        let mut all = begun();
+        // Other than a renamed file, a link replaces nothing. Not every file system has links.
+        let moved = match std::fs::hard_link(&self.0, place) {
+            Ok(()) => remove(&self.0),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(error),
+            Err(_) => std::fs::rename(&self.0, place),
+        };
+        if moved.is_ok() {
+            forget(&mut all, &self.0);
+            self.0.clear();
+        }
+        drop(all);
+        moved.map_err(|error| (self, error))
+    }
+
+    /// Moves a file to the first of the names `x-2.csv`, `x-3.csv`, … beside `x.csv` that is free, and returns it.
+    ///
+    /// # Errors
+    /// It cannot be moved.
+    pub(crate) fn persist_beside(mut self, place: &Path) -> io::Result<PathBuf> {
+        let stem = place.file_stem().unwrap_or_default();
+        for n in 2..=u16::MAX {
+            let mut name = stem.to_owned();
+            name.push(format!("-{n}"));
+            if let Some(end) = place.extension() {
+                name.push(".");
+                name.push(end);
+            }
+            let free = place.with_file_name(name);
+            match self.persist_new(&free) {
+                Err((own, error)) if error.kind() == io::ErrorKind::AlreadyExists => self = own,
+                done => return done.map(|()| free).map_err(|(_, error)| error),
+            }
+        }
+        Err(io::ErrorKind::AlreadyExists.into())
+    }
 }
 
 impl Drop for Scratch {

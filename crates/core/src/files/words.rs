@@ -1,4 +1,7 @@
-//! Suggestions for misspelt words.
+//! Words in messages: suggestions for misspelt ones, and long ones made short.
+
+use std::borrow::Cow;
+use std::fmt::Write;
 
 /// Returns the known word that an unknown one most likely means. At most a third of its letters may differ (two in a
 /// short word). Two exchanged letters count as one difference, and so does upper or lower case.
@@ -15,9 +18,58 @@ pub fn meant<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
     near.filter(|(apart, word)| enough(*apart, word)).min().map(|(_, word)| word)
 }
 
+/// Returns a message in which long words, and long lines, have lost their middle: names come from files and can have any
+/// length. Paths of a usual length stay whole. All messages that leave a program go through it.
+pub fn shortened(message: &str) -> Cow<'_, str> {
+    /// Characters of a word, and of a line: more are too many, and so many stay at its beginning and at its end.
+    const WORD: [usize; 3] = [300, 100, 60];
+    const LINE: [usize; 3] = [4000, 2400, 1200];
+    if message.len() <= WORD[0] {
+        return message.into();
+    }
+    let mut all = String::with_capacity(message.len().min(2 * LINE[0]));
+    for line in message.split_inclusive('\n') {
+        let words = line.split_inclusive(char::is_whitespace).map(|word| without_middle(word, WORD));
+        all += &without_middle(&words.collect::<String>(), LINE);
+    }
+    all.into()
+}
+
+/// Takes the middle out of a text with too many characters.
+fn without_middle(text: &str, [most, first, last]: [usize; 3]) -> Cow<'_, str> {
+    let length = if text.len() > most { text.chars().count() } else { 0 };
+    if length <= most {
+        return text.into();
+    }
+    let place = |n: usize| text.char_indices().nth(n).map_or(text.len(), |(place, _)| place);
+    let mut short = text[..place(first)].to_owned();
+    let _ = write!(short, "… {} characters …", length - first - last);
+    short += &text[place(length - last)..];
+    short.into()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_names_and_lines_of_a_message_lose_their_middle() {
+        let path = format!("/{}Agents.xml", "directory/".repeat(25));
+        let usual = format!("{path}:3: agent \"A\": Radius=\"x\": is no number");
+        assert_eq!(shortened(&usual), usual);
+        let name = "né".repeat(30_000);
+        let said = shortened(&format!("{path}: agent \"{name}\": Radius=\"x\"\nsecond line\n")).into_owned();
+        assert!(said.starts_with(&format!("{path}: agent \"nén")), "{said}");
+        assert!(
+            said.contains("… 59844 characters …") && said.ends_with("né\": Radius=\"x\"\nsecond line\n"),
+            "{said}"
+        );
+        assert!(said.chars().count() < 600, "{said}");
+        // Words of a usual length, too many of them.
+        let said = shortened(&format!("agent \"{}\": is there twice", "a b ".repeat(15_000))).into_owned();
+        assert!(said.chars().count() < 4000 && said.ends_with("b \": is there twice"), "{said}");
+        assert_eq!(shortened(&"a short line\n".repeat(1000)).len(), 13_000);
+    }
 
     #[test]
     fn the_nearest_word_is_meant_and_a_far_one_is_not() {

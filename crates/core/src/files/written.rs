@@ -7,6 +7,7 @@ use std::fs::File;
 use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::SystemTime;
 
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -58,12 +59,21 @@ pub fn reader_left() -> bool {
     READER_LEFT.load(Ordering::Relaxed)
 }
 
+/// When a regular file was written, and its length: what tells whether somebody else has written it since.
+pub type Mark = (SystemTime, u64);
+
+/// Returns the mark of what is in a place; `None`: no regular file.
+pub fn mark_of(place: &Path) -> Option<Mark> {
+    let there = place.metadata().ok().filter(std::fs::Metadata::is_file)?;
+    Some((there.modified().ok()?, there.len()))
+}
+
 /// A file that is written beside its place. [`Staged::persist`] moves it there; otherwise it is removed.
 #[derive(Debug)]
 pub struct Staged {
     file: File,
-    /// The file and its place; `None`: an open file is written directly.
-    temporary: Option<(Scratch, PathBuf)>,
+    /// The file, its place and what may be replaced there; `None`: an open file is written directly.
+    temporary: Option<(Scratch, PathBuf, Option<Mark>)>,
     failed: bool,
 }
 
@@ -84,11 +94,21 @@ impl Staged {
         let (temporary, file) = Scratch::within(directory_of(&place), |path| {
             File::options().read(true).write(true).create_new(true).open(path)
         })?;
-        let staged = Staged { file, temporary: Some((temporary, place)), failed: false };
+        let before = mark_of(&place);
+        let staged = Staged { file, temporary: Some((temporary, place, before)), failed: false };
         if let Some(there) = there {
             staged.file.set_permissions(there.permissions())?;
         }
         Ok(staged)
+    }
+
+    /// Replaces only what had this mark earlier, when it was asked whether the place is free.
+    #[must_use]
+    pub fn instead_of(mut self, before: Option<Mark>) -> Staged {
+        if let Some((_, _, own)) = &mut self.temporary {
+            *own = before;
+        }
+        self
     }
 
     /// Writes directly to an open file, such as standard output. See [`reader_left`].
@@ -101,7 +121,7 @@ impl Staged {
     /// # Errors
     /// Those of `write`, or the file has no path.
     pub fn fill<T>(&mut self, write: impl FnOnce(&Path) -> io::Result<T>) -> io::Result<T> {
-        let (temporary, _) = self.temporary.as_ref().ok_or(ErrorKind::Unsupported)?;
+        let (temporary, ..) = self.temporary.as_ref().ok_or(ErrorKind::Unsupported)?;
         write(temporary.path()).inspect_err(|_| self.failed = true)
     }
 
@@ -113,17 +133,30 @@ impl Staged {
         self.file.sync_all()
     }
 
-    /// Moves the file into its place.
+    /// Moves the file into its place. What somebody else has put there meanwhile stays: the file then gets a free name
+    /// beside it.
     ///
     /// # Errors
-    /// The file cannot be moved there, or a part of it could not be written; the place is then unchanged.
+    /// The file cannot be moved there, or a part of it could not be written; the place is then unchanged. Or it has
+    /// another name, which the error says.
     pub fn persist(self) -> io::Result<()> {
         if self.failed {
             return Err(io::Error::other("a part of it could not be written"));
         }
         // The modification time is final once the file is closed.
         drop(self.file);
-        self.temporary.map_or(Ok(()), |(temporary, place)| temporary.persist(&place))
+        let Some((temporary, place, before)) = self.temporary else { return Ok(()) };
+        let temporary = match mark_of(&place) {
+            Some(now) if Some(now) == before => return temporary.persist(&place),
+            Some(_) => temporary,
+            None => match temporary.persist_new(&place) {
+                Err((temporary, error)) if error.kind() == ErrorKind::AlreadyExists => temporary,
+                done => return done.map_err(|(_, error)| error),
+            },
+        };
+        let free = temporary.persist_beside(&place)?;
+        let free = free.display();
+        Err(io::Error::other(format!("another program has written it meanwhile; this result is in {free}")))
     }
 }
 
@@ -247,6 +280,39 @@ mod tests {
         }
         let left = std::fs::read_dir(directory.path()).unwrap().count();
         assert_eq!(left, 3, "no temporary file is left");
+    }
+
+    /// Each of those who write one place at a time is told that it is not alone, but for the first.
+    #[test]
+    fn of_those_who_write_one_place_none_is_lost() {
+        let directory = TempDir::new().unwrap();
+        let at = |name: &str| directory.path().join(name);
+        let read = |name: &str| std::fs::read_to_string(at(name)).unwrap();
+        for there in [false, true] {
+            let name = |end: &str| format!("{there}{end}");
+            if there {
+                std::fs::write(at("true.csv"), "replaced").unwrap();
+            }
+            let all =
+                ["first", "second", "third"].map(|text| staged(&at(&name(".csv")), text.as_bytes()).unwrap());
+            let told = all.map(|file| file.persist().err().map(|error| error.to_string()));
+            let other = |end: &str| {
+                let file = target_of(&at(&name(end))).unwrap();
+                Some(format!(
+                    "another program has written it meanwhile; this result is in {}",
+                    file.display()
+                ))
+            };
+            assert_eq!(told, [None, other("-2.csv"), other("-3.csv")]);
+            let found = [".csv", "-2.csv", "-3.csv"].map(|end| read(&name(end)));
+            assert_eq!(found, ["first", "second", "third"]);
+        }
+        // Nothing was there when somebody asked.
+        let asked = staged(&at("asked"), b"new").unwrap().instead_of(None);
+        std::fs::write(at("asked"), "of another").unwrap();
+        assert!(asked.persist().is_err());
+        assert_eq!((read("asked"), read("asked-2")), ("of another".to_owned(), "new".to_owned()));
+        assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 8, "no temporary file is left");
     }
 
     #[test]

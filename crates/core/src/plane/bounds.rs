@@ -30,6 +30,12 @@ impl Bounds {
         self.high - self.low
     }
 
+    /// Returns the coordinate of points along the longer side.
+    pub fn longer(&self) -> impl Fn(Vec2) -> f64 + use<> {
+        let along_x = self.size().x >= self.size().y;
+        move |p| if along_x { p.x } else { p.y }
+    }
+
     /// Returns the rectangle enlarged by a margin \[m\] on each side.
     pub fn grown(self, margin: f64) -> Bounds {
         let margin = vec2(margin, margin);

@@ -7,7 +7,7 @@
 use super::{Ring, vec2};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
-use i_overlay::float::single::SingleFloatOverlay;
+use i_overlay::float::overlay::{FloatOverlay, OverlayOptions};
 
 /// The corners of a ring \[m\]; the first one is not repeated.
 pub type Contour = Vec<[f64; 2]>;
@@ -26,25 +26,38 @@ pub enum Fill {
 
 /// Returns what is inside of the contours ([`Fill::NonZero`]).
 pub fn union(contours: &[Contour]) -> Polygons {
-    overlay(contours, &[], OverlayRule::Subject, Fill::NonZero)
+    overlay(contours, &[], OverlayRule::Subject, Fill::NonZero, OverlayOptions::default())
 }
 
 /// Returns what is inside of both.
 pub fn intersection(one: &[Contour], other: &[Contour], fill: Fill) -> Polygons {
-    overlay(one, other, OverlayRule::Intersect, fill)
+    overlay(one, other, OverlayRule::Intersect, fill, OverlayOptions::default())
 }
 
 /// Returns what is inside of the first and not of the other.
 pub fn difference(one: &[Contour], other: &[Contour], fill: Fill) -> Polygons {
-    overlay(one, other, OverlayRule::Difference, fill)
+    overlay(one, other, OverlayRule::Difference, fill, OverlayOptions::default())
 }
 
-fn overlay(one: &[Contour], other: &[Contour], rule: OverlayRule, fill: Fill) -> Polygons {
+/// Returns what is inside of the first and not of the other ([`Fill::NonZero`]), parted where it hangs together in a point
+/// only: no contour touches itself.
+pub(super) fn parted(one: &[Contour], other: &[Contour]) -> Polygons {
+    overlay(one, other, OverlayRule::Difference, Fill::NonZero, OverlayOptions::ogc())
+}
+
+fn overlay(
+    one: &[Contour],
+    other: &[Contour],
+    rule: OverlayRule,
+    fill: Fill,
+    options: OverlayOptions<f64, i64>,
+) -> Polygons {
     let fill = match fill {
         Fill::EvenOdd => FillRule::EvenOdd,
         Fill::NonZero => FillRule::NonZero,
     };
-    one.to_vec().overlay_as::<i64>(&other.to_vec(), rule, fill)
+    let solver = Default::default();
+    FloatOverlay::from_subj_and_clip_custom(one, other, options, solver).overlay(rule, fill)
 }
 
 /// Returns the corners of a ring.

@@ -18,6 +18,11 @@ impl Polygon {
         std::iter::once(&self.outer).chain(&self.holes)
     }
 
+    /// Returns the area without holes \[m²\], which do not overlap.
+    pub fn area(&self) -> f64 {
+        self.outer.area() - self.holes.iter().map(Ring::area).sum::<f64>()
+    }
+
     /// Returns whether a point \[m\] lies in it. On a rim the result may be either.
     pub fn contains(&self, p: Vec2) -> bool {
         self.outer.contains(p) && !self.holes.iter().any(|hole| hole.contains(p))

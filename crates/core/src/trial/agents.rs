@@ -33,6 +33,10 @@ static SHAPE: Schema = Schema {
     children: &[],
 };
 
+/// \[kg/m²\] Mass over the square of the stature: least and greatest of people. Those who starve have 11, the heaviest man
+/// whose stature is known had 105. Less or more is a mass in another unit.
+pub const BODY_MASS_INDEX: [f64; 2] = [10.0, 110.0];
+
 /// `<Agent>` of `Agents.xml`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Agent {

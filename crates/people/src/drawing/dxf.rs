@@ -11,6 +11,8 @@ use std::collections::{HashMap, HashSet};
 const MOST_PAIRS: usize = 8_000_000;
 /// More blocks within each other are a circle.
 const DEEPEST: usize = 16;
+/// Flags of a block that is an external reference, or lies over one.
+const EXTERNAL: i64 = 4 | 8;
 
 /// A group code with its value.
 struct Pair<'a> {
@@ -28,6 +30,8 @@ struct Entity<'a>(&'a [Pair<'a>]);
 struct Block<'a> {
     base: Vec2,
     entities: Vec<Entity<'a>>,
+    /// The file that it stands for, if it is an external reference.
+    external: Option<&'a str>,
 }
 
 #[derive(Default)]
@@ -43,13 +47,16 @@ struct File<'a> {
 
 pub(super) fn read(bytes: &[u8], reading: &Reading) -> Result<Tracer> {
     let text = decoded(bytes)?;
-    let pairs = pairs(&text)?;
+    let (pairs, ended) = pairs(&text)?;
     let file = File::of(&pairs)?;
     // What the file says is not looked at if the user says it.
     let header = file.header.filter(|_| reading.unit.is_none());
     let code = header.map(Entity::header_unit).transpose()?.flatten();
     let own = code.map(metres).transpose()?.flatten().map(|unit| (unit, UnitFrom::File));
     let mut tracer = Tracer::new(Tracer::unit_of(reading, own), reading);
+    if !ended {
+        tracer.leave_out("", "EOF, which is missing: the file may have been cut off");
+    }
     let scale = tracer.scale();
     Walk { file: &file, tracer: &mut tracer }.all(&file.entities, &scale, None, 0)?;
     Ok(tracer)
@@ -68,7 +75,8 @@ fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>> {
     })
 }
 
-fn pairs(text: &str) -> Result<Vec<Pair<'_>>> {
+/// Returns the pairs, and whether EOF is at their end.
+fn pairs(text: &str) -> Result<(Vec<Pair<'_>>, bool)> {
     let mut pairs = Vec::new();
     let mut lines = text.lines().zip(1u32..);
     while let Some((code, line)) = lines.next() {
@@ -85,7 +93,7 @@ fn pairs(text: &str) -> Result<Vec<Pair<'_>>> {
             PeopleError::new(format!("line {line}: the file ends after group code {code}, without its value"))
         })?;
         if code == 0 && value == "EOF" {
-            return Ok(pairs);
+            return Ok((pairs, true));
         }
         require(pairs.len() < MOST_PAIRS, || {
             format!("line {line}: there are more than {MOST_PAIRS} pairs: too many")
@@ -95,7 +103,7 @@ fn pairs(text: &str) -> Result<Vec<Pair<'_>>> {
             pairs.push(Pair { code, value, line: line + 1 });
         }
     }
-    Ok(pairs)
+    Ok((pairs, false))
 }
 
 /// Returns the length of a unit of `$INSUNITS` \[m\]; none where it says that there is none.
@@ -145,7 +153,9 @@ impl<'a> File<'a> {
                 ("BLOCK", "BLOCKS") => {
                     let base = entity.point(10)?.unwrap_or(Vec2::zeros());
                     let name = entity.text(2).unwrap_or("").to_uppercase();
-                    block = Some((name, Block { base, entities: Vec::new() }));
+                    let is_external = entity.whole(70)?.unwrap_or(0) & EXTERNAL != 0;
+                    let external = is_external.then(|| entity.text(1).unwrap_or(""));
+                    block = Some((name, Block { base, entities: Vec::new(), external }));
                 }
                 ("ENDBLK", "BLOCKS") => file.blocks.extend(block.take()),
                 (_, "BLOCKS") => {
@@ -157,6 +167,11 @@ impl<'a> File<'a> {
                 _ => (),
             }
         }
+        require(section.is_empty(), || {
+            let (section, last): (String, _) = (section.chars().take(40).collect(), pairs.last());
+            let line = last.map_or(0, |pair| pair.line);
+            format!("line {line}: the file ends within section {section}, without ENDSEC: it was cut off")
+        })?;
         Ok(file)
     }
 }
@@ -272,6 +287,22 @@ impl<'a> Entity<'a> {
         Ok(Some(Affine::new([up.signum(), 0.0, 0.0, 1.0, 0.0, 0.0])))
     }
 
+    /// Returns the largest width of a polyline and its vertices, if it has any.
+    fn widest(self, parts: &[Entity]) -> Result<Option<f64>> {
+        let codes: &[i32] = match self.kind() {
+            "LWPOLYLINE" => &[40, 41, 43],
+            "POLYLINE" => &[40, 41],
+            _ => &[],
+        };
+        let mut widest: f64 = 0.0;
+        for entity in std::iter::once(&self).chain(parts) {
+            for code in codes {
+                widest = entity.numbers(*code)?.into_iter().fold(widest, f64::max);
+            }
+        }
+        Ok((widest > 0.0).then_some(widest))
+    }
+
     /// Returns corners with their bulges.
     fn vertices(self) -> Result<Vec<(Vec2, f64)>> {
         let mut vertices: Vec<(Vec2, f64)> = Vec::new();
@@ -376,8 +407,13 @@ impl<'f> Walk<'f, '_> {
             return Ok(());
         };
         self.tracer.curves += usize::from(curved);
+        if let Some(width) = entity.widest(parts)? {
+            let width = width * into.linear.determinant().abs().sqrt();
+            self.tracer
+                .leave_out(&layer, &format!("width of {width:.3} m of a {kind}: its middle line is taken"));
+        }
         let entity = format!("{kind} in line {}", entity.line());
-        self.tracer.take(Line { layer, name: None, entity, corners, closed, hole: false })
+        self.tracer.take(Line { layer, name: None, entity, corners, closed, hole: false, ground: false })
     }
 
     fn insert(&mut self, entity: Entity<'f>, into: &Affine, layer: &str, depth: usize) -> Result<()> {
@@ -386,6 +422,13 @@ impl<'f> Walk<'f, '_> {
             self.tracer.leave_out(layer, &format!("INSERT of {name:?}, which is not in the file"));
             return Ok(());
         };
+        if let Some(file) = block.external.filter(|_| block.entities.is_empty()) {
+            let file: String = file.chars().take(MOST_LETTERS).collect();
+            let what =
+                format!("INSERT of {name:?}: the file {file:?} that it stands for is not read; bind it");
+            self.tracer.leave_out(layer, &what);
+            return Ok(());
+        }
         require(depth < DEEPEST, || {
             entity
                 .about(&format!(

@@ -107,7 +107,15 @@ impl Walk<'_> {
         let with_role = texts.into_iter().flatten().find(|text| Role::of(text).is_some());
         let layer = with_role.or(texts.into_iter().flatten().next()).unwrap_or("").to_owned();
         let name = texts[1].filter(|name| *name != layer).map(str::to_owned);
-        self.tracer.take(Line { layer, name, entity: format!("{kind} at {at}"), corners, closed, hole })
+        self.tracer.take(Line {
+            layer,
+            name,
+            entity: format!("{kind} at {at}"),
+            corners,
+            closed,
+            hole,
+            ground: false,
+        })
     }
 
     fn points(&self, value: &Value, at: &str) -> Result<Vec<Vec2>> {

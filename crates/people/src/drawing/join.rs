@@ -238,7 +238,9 @@ pub(super) fn without_doubles(lines: Vec<Line>, areas: bool) -> (Vec<Line>, usiz
     for (k, line) in lines.iter().enumerate().filter(|(_, line)| is_area(line)) {
         let mut sides = pieces[k].clone();
         sides.sort_unstable();
-        keep[k] = same.insert((Role::of(&line.layer).map(|(role, _)| role), line.hole, sides));
+        // Polygons with the same rim may have other holes.
+        let has_holes = line.hole || lines.get(k + 1).is_some_and(|next| next.hole);
+        keep[k] = has_holes || same.insert((Role::of(&line.layer).map(|(role, _)| role), line.hole, sides));
     }
     for k in order {
         let there = pieces[k].iter().filter(|piece| known.contains(*piece)).count();

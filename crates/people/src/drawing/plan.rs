@@ -1,14 +1,15 @@
 //! What lines of a drawing mean: walls, exits, where people stand, way-points.
 
+use super::areas::{Areas, areas};
+use super::collinear::without_overlaps;
 use super::join::{Joined, join, without_doubles};
-use super::{Drawing, Line};
+use super::{Drawing, Line, some_of};
 use crate::error::{PeopleError, Result, require};
-use crate::placing::Region;
+use crate::placing::{FARTHEST, Region};
 use crate::{Door, closed_walls, is_closed};
-use lemons_core::plane::overlay::{self, Contour, Fill, contour};
-use lemons_core::plane::{Bounds, Ring, Vec2, sides_that_meet, vec2};
+use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// \[m²\] Smallest area of a wall around something.
 const SMALLEST_AREA: f64 = 1e-6;
@@ -16,9 +17,11 @@ const SMALLEST_AREA: f64 = 1e-6;
 const MOST_PLACES: usize = 1000;
 /// Largest number of corners of areas that may meet, and of walls of which the area is calculated: some of it takes the
 /// square of this. People are placed among no more.
-const MOST_CORNERS: usize = 10_000;
+pub(super) const MOST_CORNERS: usize = 10_000;
 /// \[m\] An exit that is nowhere further from a wall lies on it.
 const ON_A_WALL: f64 = 0.05;
+/// \[m\] Nor does anybody get to one that is nowhere further from it: no centre of a body does.
+const AT_A_WALL: f64 = 0.2;
 
 /// What is on a layer, as its name says: `walkablearea-…`, `obstacles-…`, `exits-…`, `distributions-…`, `waypoints-…`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -33,9 +36,11 @@ pub enum Role {
     Distribution,
     /// Places to go to.
     Waypoint,
+    /// What JuPedSim has besides, such as journeys: it is left out.
+    Unused,
 }
 
-const PLURALS: [(&str, Role); 8] = [
+const PLURALS: [(&str, Role); 9] = [
     ("walkablearea", Role::WalkableArea),
     ("walkable_area", Role::WalkableArea),
     ("walkable-area", Role::WalkableArea),
@@ -44,6 +49,7 @@ const PLURALS: [(&str, Role); 8] = [
     ("exits", Role::Exit),
     ("distributions", Role::Distribution),
     ("waypoints", Role::Waypoint),
+    ("journeys", Role::Unused),
 ];
 const SINGULARS: [(&str, Role); 4] = [
     ("obstacle", Role::Obstacle),
@@ -54,12 +60,24 @@ const SINGULARS: [(&str, Role); 4] = [
 
 impl Role {
     /// Returns the role that a layer's name says, in any case, and the rest of the name. Singular words are meant only
-    /// alone, or before a number: a layer of exit signs has no exits.
+    /// alone, or before a number: a layer of exit signs has no exits. What drawings in drawings put before a name is passed
+    /// over (`plan$0$exits-0`, `plan|exits-0`, `0 - exits-0`), and so is `jps-` of JuPedSim, all of whose layers have one.
     pub fn of(layer: &str) -> Option<(Role, String)> {
+        const BEFORE: [&str; 6] = ["$", "|", "::", "/", "\\", " - "];
         let layer = layer.trim();
-        // As in example drawings of JuPedSim of 2023.
-        let prefix = layer.get(..9).filter(|begin| begin.eq_ignore_ascii_case("jupedsim_"));
-        let layer = &layer[prefix.map_or(0, str::len)..];
+        let ends = BEFORE.iter().flat_map(|sign| layer.match_indices(sign).map(|(at, sign)| at + sign.len()));
+        let mut begins: Vec<usize> = std::iter::once(0).chain(ends).collect();
+        begins.sort_unstable();
+        begins.into_iter().find_map(|begin| Role::of_own(layer[begin..].trim()))
+    }
+
+    /// The role of a name with nothing but JuPedSim's sign before it.
+    fn of_own(layer: &str) -> Option<(Role, String)> {
+        // The longer ones as in example drawings of JuPedSim of 2023.
+        let sign = ["jps-", "jps_", "jps ", "jupedsim_", "jupedsim-"]
+            .into_iter()
+            .find(|sign| layer.get(..sign.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(sign)));
+        let layer = &layer[sign.map_or(0, str::len)..];
         let rest = |word: &str| {
             let begin = layer.get(..word.len()).filter(|begin| begin.eq_ignore_ascii_case(word))?;
             let rest = &layer[begin.len()..];
@@ -71,7 +89,9 @@ impl Role {
         };
         let plural = PLURALS.iter().find_map(|(word, role)| Some((*role, rest(word)?)));
         let number = |name: &String| name.chars().all(|c| c.is_ascii_digit());
-        plural.or_else(|| SINGULARS.iter().find_map(|(word, role)| Some((*role, rest(word).filter(number)?))))
+        let singular = || SINGULARS.iter().find_map(|(word, role)| Some((*role, rest(word).filter(number)?)));
+        let unknown = || sign.filter(|sign| sign.len() == 4).map(|_| (Role::Unused, layer.to_owned()));
+        plural.or_else(singular).or_else(unknown)
     }
 
     /// Returns the beginning of the layers' names.
@@ -82,6 +102,7 @@ impl Role {
             Role::Exit => "exits",
             Role::Distribution => "distributions",
             Role::Waypoint => "waypoints",
+            Role::Unused => "journeys",
         }
     }
 }
@@ -172,6 +193,10 @@ pub struct Plan {
     pub left_out: BTreeMap<(String, String), usize>,
     /// Whether outlines and obstacles met, and what people can walk on was calculated.
     pub united: bool,
+    /// \[m²\] What was calculated.
+    pub ground: Option<f64>,
+    /// What is drawn as ground, and lies within other ground.
+    pub within: Vec<String>,
 }
 
 impl Plan {
@@ -181,9 +206,11 @@ impl Plan {
     /// There are no walls, or an area crosses itself.
     pub fn of(drawing: Drawing, settings: &Settings) -> Result<Plan> {
         let Drawing { lines, mut left_out, .. } = drawing;
+        check_layers(&settings.walls, &lines, &left_out)?;
         let of_role: Vec<Option<(Role, String)>> = lines.iter().map(|line| Role::of(&line.layer)).collect();
         let says = |role: Role| of_role.iter().flatten().any(|(of, _)| *of == role);
-        let has_areas = says(Role::WalkableArea) || says(Role::Obstacle);
+        let named_areas = says(Role::WalkableArea) || says(Role::Obstacle);
+        let has_areas = named_areas || lines.iter().any(|line| line.ground);
         let (mut walls, mut places) = (Vec::new(), BTreeMap::<Role, Vec<(String, Line)>>::new());
         let mut leave_out = |line: &Line, why: &str| {
             let kind = line.entity.split(" in line").next().unwrap_or("").split(" at ").next().unwrap_or("");
@@ -194,8 +221,9 @@ impl Plan {
                 Some((role @ (Role::Exit | Role::Distribution | Role::Waypoint), name)) => {
                     places.entry(role).or_default().push((line.name.clone().unwrap_or(name), line));
                 }
-                None if has_areas => leave_out(&line, " (layer without a meaning)"),
-                None if !settings.walls.is_empty() && !settings.walls.contains(&line.layer) => {
+                Some((Role::Unused, _)) => leave_out(&line, " (of JuPedSim, not used)"),
+                None if named_areas => leave_out(&line, " (layer without a meaning)"),
+                None if !settings.walls.is_empty() && !asked_for(&settings.walls, &line.layer) => {
                     leave_out(&line, " (layer not asked for)");
                 }
                 _ if line.corners.len() < 2 => leave_out(&line, " (no length)"),
@@ -208,13 +236,23 @@ impl Plan {
             })?;
         }
         let (walls, doubles, on_others) = without_doubles(walls, has_areas);
-        let (walls, joined) = join(walls, settings.close)?;
+        let (walls, mut joined) = join(walls, settings.close)?;
+        let (mut walls, overlaps) = without_overlaps(walls, has_areas)?;
+        if overlaps > 0 {
+            // What was between the ends of others may meet now.
+            let (again, rest) = join(walls, None)?;
+            (walls, joined.left) = (again, rest.left);
+        }
+        let doubles = doubles + overlaps;
         let named = |role: Role, enough: usize, closed: bool, leave_out: &mut dyn FnMut(&Line, &str)| {
             let lines = places.get(&role).into_iter().flatten();
             let used = lines.filter(|(_, line)| {
                 let used = line.corners.len() >= enough && (line.closed || !closed);
                 if !used {
                     leave_out(line, if closed { " (not closed)" } else { " (no length)" });
+                }
+                if used && line.hole {
+                    leave_out(line, " (hole)");
                 }
                 used && !line.hole
             });
@@ -227,8 +265,11 @@ impl Plan {
             let what: Vec<String> = left_out.iter().map(super::left_out).collect();
             format!("there are no walls in this drawing; left out: {}", what.join(", "))
         })?;
-        let (walls, united) =
-            if has_areas { areas(walls)? } else { (walls.into_iter().map(corners).collect(), false) };
+        let Areas { walls, ground, within } = if has_areas {
+            areas(walls)?
+        } else {
+            Areas { walls: walls.into_iter().map(corners).collect(), ..Areas::default() }
+        };
         let mut plan = Plan {
             outline: None,
             walls,
@@ -240,7 +281,9 @@ impl Plan {
             on_others,
             origin: Vec2::zeros(),
             left_out,
-            united,
+            united: ground.is_some(),
+            ground,
+            within,
         };
         plan.outline = plan.largest();
         if settings.to_origin {
@@ -284,13 +327,24 @@ impl Plan {
     /// nothing is left.
     pub fn area(&self) -> Option<f64> {
         let outline = &self.walls[self.outline?];
+        if self.ground.is_some() {
+            return self.ground;
+        }
         if self.walls.iter().map(Vec::len).sum::<usize>() > MOST_CORNERS {
             return None;
         }
-        if let Ok(region) = Region::from_walls(&self.geometry("")) {
+        // Far from the origin nobody is placed.
+        let low = self.bounds()?.low;
+        let near = |line: &mut Vec<Vec2>| line.iter_mut().for_each(|corner| *corner -= low);
+        let (mut outline, mut geometry) = (outline.clone(), self.geometry(""));
+        if low.amax() > FARTHEST {
+            near(&mut outline);
+            geometry.walls.iter_mut().for_each(|wall| near(&mut wall.corners));
+        }
+        if let Ok(region) = Region::from_walls(&geometry) {
             return Some(region.area());
         }
-        Some(Region::free_space(outline, &self.geometry(""), &[]).ok()?.region.area())
+        Some(Region::free_space(&outline, &geometry, &[]).ok()?.region.area())
     }
 
     /// Makes the plan of the walls of a Trial, with exits.
@@ -307,6 +361,8 @@ impl Plan {
             origin: Vec2::zeros(),
             left_out: BTreeMap::new(),
             united: false,
+            ground: None,
+            within: Vec::new(),
         };
         plan.outline = plan.largest();
         plan
@@ -321,7 +377,7 @@ impl Plan {
                 let places = [a, (a + b) * 0.5, b];
                 closed
                     .iter()
-                    .any(|wall| places.iter().all(|place| wall.nearest(*place).distance <= ON_A_WALL))
+                    .any(|wall| places.iter().all(|place| wall.nearest(*place).distance <= AT_A_WALL))
             }
             _ => false,
         };
@@ -359,7 +415,33 @@ impl Plan {
     }
 }
 
-fn corners(line: Line) -> Vec<Vec2> {
+fn asked_for(walls: &[String], layer: &str) -> bool {
+    walls.iter().any(|wall| wall.to_uppercase() == layer.to_uppercase())
+}
+
+/// Refuses layers that are not in the drawing.
+fn check_layers(
+    walls: &[String],
+    lines: &[Line],
+    left_out: &BTreeMap<(String, String), usize>,
+) -> Result<()> {
+    let there: BTreeSet<&str> =
+        lines.iter().map(|line| &*line.layer).chain(left_out.keys().map(|(layer, _)| &**layer)).collect();
+    let missing = walls.iter().find(|wall| !there.iter().any(|layer| asked_for(&[(*wall).clone()], layer)));
+    match missing {
+        None => Ok(()),
+        Some(wall) => {
+            let named: Vec<String> =
+                there.iter().filter(|layer| !layer.is_empty()).map(|layer| format!("{layer:?}")).collect();
+            Err(PeopleError::new(format!(
+                "there is no layer {wall:?} for walls in this drawing; there are {}",
+                if named.is_empty() { "none".to_owned() } else { some_of(&named) }
+            )))
+        }
+    }
+}
+
+pub(super) fn corners(line: Line) -> Vec<Vec2> {
     let mut corners = line.corners;
     if line.closed && corners.len() > 2 {
         corners.push(corners[0]);
@@ -387,69 +469,4 @@ fn named<'a>(lines: impl Iterator<Item = &'a (String, Line)>) -> Vec<Place> {
         places.push(Place { name, corners });
     }
     places
-}
-
-/// Returns walls around what people can walk on: outlines without obstacles. Where none of them meet, they stay as they are.
-fn areas(lines: Vec<Line>) -> Result<(Vec<Vec<Vec2>>, bool)> {
-    let (closed, open): (Vec<Line>, Vec<Line>) =
-        lines.into_iter().partition(|line| line.closed && line.corners.len() > 2);
-    let corners_of_all: usize = closed.iter().map(|line| line.corners.len()).sum();
-    require(corners_of_all <= MOST_CORNERS, || {
-        format!(
-            "walkable areas and obstacles have {corners_of_all} corners; at most {MOST_CORNERS} are allowed (a larger \
-             deviation of curves gives fewer)"
-        )
-    })?;
-    let is_outline = |line: &Line| Role::of(&line.layer).is_some_and(|(role, _)| role == Role::WalkableArea);
-    let mut rings: Vec<Ring> = Vec::new();
-    for line in &closed {
-        let ring = Ring::through(line.corners.clone()).filter(Ring::is_simple);
-        rings.push(ring.ok_or_else(|| {
-            PeopleError::new(format!("{}: its sides cross or touch each other", line.named()))
-        })?);
-    }
-    let outlines: Vec<usize> =
-        (0..closed.len()).filter(|k| is_outline(&closed[*k]) && !closed[*k].hole).collect();
-    let rest = || (0..closed.len()).filter(|k| !outlines.contains(k));
-    let apart = |outline: usize| {
-        let within = |k: usize| {
-            let corner = rings[k].corners()[0];
-            rings[outline].contains(corner)
-                && !rest().any(|other| other != k && rings[other].contains(corner))
-        };
-        sides_that_meet(&rings).is_none() && rest().all(within)
-    };
-    let as_drawn = match outlines[..] {
-        [] => true,
-        [outline] => apart(outline),
-        _ => false,
-    };
-    let mut walls: Vec<Vec<Vec2>> = if as_drawn {
-        rings.iter().map(|ring| ring.closed().to_vec()).collect()
-    } else {
-        let turned = |k: usize, left: bool| {
-            let ring = rings[k].clone();
-            let ring = if (ring.signed_area() > 0.0) == left { ring } else { ring.reversed() };
-            contour(&ring)
-        };
-        let areas: Vec<Contour> = (0..closed.len())
-            .filter(|k| is_outline(&closed[*k]))
-            .map(|k| turned(k, !closed[k].hole))
-            .collect();
-        let obstacles: Vec<Contour> =
-            (0..closed.len()).filter(|k| !is_outline(&closed[*k])).map(|k| turned(k, true)).collect();
-        let left = overlay::difference(&areas, &obstacles, Fill::NonZero);
-        let made: usize = left.iter().flatten().map(Vec::len).sum();
-        require(made <= 10 * MOST_CORNERS, || {
-            format!(
-                "walkable areas without obstacles have {made} corners: too many; do they cross each other?"
-            )
-        })?;
-        let rings =
-            left.iter().flatten().filter_map(overlay::ring).filter(|ring| ring.area() >= SMALLEST_AREA);
-        rings.map(|ring| ring.closed().to_vec()).collect()
-    };
-    walls.extend(open.into_iter().map(corners));
-    require(!walls.is_empty(), || "obstacles cover the walkable area".to_owned())?;
-    Ok((walls, !as_drawn))
 }

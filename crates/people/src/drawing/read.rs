@@ -1,13 +1,18 @@
 //! A drawing that was read, and what is said of it.
 
+use super::areas::TOUCH;
 use super::{
     Drawing, Format, Place, Plan, PlanSettings, Reading, Role, UNITS, UnitFrom, WIDEST_GAP, left_out,
 };
 use crate::error::Result;
 use crate::is_closed;
+use crate::placing::FARTHEST;
 use lemons_core::plane::{Bounds, Vec2};
 use std::collections::BTreeMap;
 
+/// \[m\] Longer side of the smallest room, and of the largest, whose unit is not doubted.
+const SMALLEST: f64 = 1.0;
+const LARGEST: f64 = 20_000.0;
 /// More kinds of what is left out are only counted.
 const MOST_LEFT_OUT: usize = 100;
 
@@ -45,7 +50,8 @@ impl Read {
         for line in &drawing.lines {
             layers.entry(line.layer.clone()).or_insert_with(|| Role::of(&line.layer).map(|(role, _)| role));
         }
-        if layers.values().any(|role| matches!(role, Some(Role::WalkableArea | Role::Obstacle))) {
+        let is_area = |role: &Option<Role>| matches!(role, Some(Role::WalkableArea | Role::Obstacle));
+        if layers.values().any(is_area) {
             layers.clear();
         }
         let (deviation, close) = (reading.deviation, settings.close);
@@ -71,13 +77,18 @@ impl Read {
                 format!("{:.3} m x {:.3} m, lower left corner at {x:.3},{y:.3}", size.x, size.y),
             ));
         }
+        said.extend(self.doubtful());
         if plan.origin != Vec2::zeros() {
             let [x, y] = plan.origin.into();
-            said.push(("moved", format!("by {:?},{:?} m", -x, -y)));
+            said.push(("moved", format!("by {:?},{:?} m", told(-x), told(-y))));
         }
         said.push(("walls", self.walls()));
         if let Some(area) = plan.area() {
             said.push(("ground", format!("{area:.3} m² within the outline, without obstacles")));
+        }
+        for names in &plan.within {
+            let advice = "an obstacle is a hole of the polygon that it stands in";
+            said.push(("warning", format!("{names}: within another polygon, and ground as it is; {advice}")));
         }
         self.changes(&mut said);
         let named = |places: &[Place]| {
@@ -95,7 +106,13 @@ impl Read {
         }
         for (exit, door) in plan.doors() {
             let name = &plan.exits[exit].name;
-            said.push(("door", format!("{} m wide where exit {name:?} lies on a closed wall", door.width)));
+            said.push((
+                "door",
+                format!(
+                    "{} m wide where exit {name:?} lies on a closed wall, or up to 0.2 m from it",
+                    told(door.width)
+                ),
+            ));
         }
         for exit in plan.inner_exits() {
             let name = &plan.exits[exit].name;
@@ -107,12 +124,28 @@ impl Read {
                 ),
             ));
         }
+        said.extend(crate::places::doubts(plan).into_iter().map(|doubt| ("warning", doubt)));
         let kinds = plan.left_out.len();
         said.extend(plan.left_out.iter().take(MOST_LEFT_OUT).map(|kind| ("left out", left_out(kind))));
         if kinds > MOST_LEFT_OUT {
             said.push(("left out", format!("{} more kinds", kinds - MOST_LEFT_OUT)));
         }
         said
+    }
+
+    /// What is probably another unit, and what is too far away.
+    fn doubtful(&self) -> Option<(&'static str, String)> {
+        let Bounds { low, high } = self.plan.bounds()?;
+        let size = high - low;
+        let farthest = low.amax().max(high.amax());
+        if !(SMALLEST..=LARGEST).contains(&size.amax()) {
+            let own = (size / self.unit).into();
+            return Some(("unit?", format!("no room is {:.3} m x {:.3} m; {}", size.x, size.y, sizes(own))));
+        }
+        (farthest > FARTHEST).then(|| {
+            let km = 1e-3 * FARTHEST;
+            ("far", format!("{:.0} km from the origin; people stand within {km} km of it", 1e-3 * farthest))
+        })
     }
 
     fn walls(&self) -> String {
@@ -164,8 +197,16 @@ impl Read {
         if *united {
             said.push((
                 "united",
-                "areas that meet: the walls are the rim of areas without obstacles".to_owned(),
+                format!(
+                    "areas that meet, or are at most {} cm apart: the walls are the rim of areas without obstacles",
+                    100.0 * TOUCH
+                ),
             ));
         }
     }
+}
+
+/// \[m\] A length as it is told: without what rounding has added.
+fn told(length: f64) -> f64 {
+    (length * 1e6).round() / 1e6
 }

@@ -4,14 +4,19 @@ use super::curve::{Affine, Arc, bezier, by_ends, check_length};
 use super::plan::Role;
 use super::{Line, Reading, Tracer, check_name};
 use crate::error::{PeopleError, Result, require};
-use lemons_core::plane::{Vec2, vec2};
+use lemons_core::plane::overlay::{self, Contour, Fill, contour};
+use lemons_core::plane::{Ring, Vec2, sides_that_meet, vec2};
 use lemons_core::xml::{Document, Element};
 use std::collections::HashMap;
 use std::path::Path;
-use svgtypes::{Length, LengthUnit, PathParser, PathSegment, PointsParser, Transform};
+use svgtypes::{
+    Align, AspectRatio, Length, LengthUnit, PathParser, PathSegment, PointsParser, Transform, ViewBox,
+};
 
 const LARGEST: usize = 16_000_000;
 const MOST_NODES: u32 = 1_000_000;
+/// Largest number of corners of a path with parts in each other: some of it takes the square of this.
+const MOST_OF_PARTS: usize = 10_000;
 /// More elements within each other are a mistake.
 const DEEPEST: usize = 100;
 /// What draws nothing where it stands.
@@ -49,7 +54,14 @@ pub(super) fn read(bytes: &[u8], reading: &Reading) -> Result<Tracer> {
             by_id.insert(id, element);
         }
     }
-    let mut walk = Walk { tracer: &mut tracer, by_id };
+    let viewport = match view_box(root)? {
+        Some(ViewBox { w, h, .. }) => Some(vec2(w, h)),
+        None => {
+            let side = |attribute: &str| extent(root, attribute, None).ok().flatten();
+            side("width").zip(side("height")).map(|(w, h)| vec2(w, h))
+        }
+    };
+    let mut walk = Walk { tracer: &mut tracer, by_id, viewport };
     for element in root.elements() {
         walk.element(element, &into, Layer::default(), 0)?;
     }
@@ -62,23 +74,65 @@ fn said(error: impl ToString) -> PeopleError {
 
 /// Returns the map from the page's coordinates to those with y upwards.
 fn upright(root: Element) -> Result<Affine> {
-    let numbers = |text: &str| -> Option<[f64; 4]> {
-        let all: Option<Vec<f64>> =
-            text.split([' ', ',']).filter(|word| !word.is_empty()).map(|word| word.parse().ok()).collect();
-        all?.try_into().ok()
-    };
-    let (x, low) = match root.optional("viewBox") {
-        Some(text) => {
-            let [x, y, _, height] =
-                numbers(text).ok_or_else(|| said(root.wrong("viewBox", "must be four numbers")))?;
-            (x, y + height)
-        }
+    let (x, low) = match view_box(root)? {
+        Some(ViewBox { x, y, h, .. }) => (x, y + h),
         None if root.optional("height").is_some_and(|height| !height.contains('%')) => {
             (0.0, length(root, "height", 0.0)?)
         }
         None => (0.0, 0.0),
     };
     Ok(Affine::new([1.0, 0.0, 0.0, -1.0, -x, low]))
+}
+
+fn view_box(element: Element) -> Result<Option<ViewBox>> {
+    let Some(text) = element.optional("viewBox") else { return Ok(None) };
+    let words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
+    let all: Option<Vec<f64>> = words.map(|word| word.parse().ok().filter(|x: &f64| x.is_finite())).collect();
+    match all.as_deref() {
+        Some(&[x, y, w, h]) => Ok(Some(ViewBox { x, y, w, h })),
+        _ => Err(said(element.wrong("viewBox", "must be four numbers"))),
+    }
+}
+
+/// Returns a length in user units, also of the share of a whole; none where the element does not say it.
+fn extent(element: Element, attribute: &str, whole: Option<f64>) -> Result<Option<f64>> {
+    match element.optional(attribute).map(str::trim) {
+        None | Some("auto") => Ok(None),
+        Some(text) => match text.strip_suffix('%') {
+            Some(share) => {
+                let share: Option<f64> = share.parse().ok().filter(|share: &f64| share.is_finite());
+                let share = share.ok_or_else(|| said(element.wrong(attribute, "must be a length")))?;
+                Ok(whole.map(|whole| whole * share / 100.0))
+            }
+            None => Ok(Some(length(element, attribute, 0.0)?)),
+        },
+    }
+}
+
+/// Returns the map from a view box into a rectangle at the origin of this size.
+fn fitted(element: Element, view: ViewBox, size: Vec2) -> Result<Affine> {
+    let how = element.optional("preserveAspectRatio").unwrap_or("xMidYMid");
+    let AspectRatio { align, slice, .. } =
+        how.parse().map_err(|_| said(element.wrong("preserveAspectRatio", "must be as xMidYMid meet")))?;
+    let each = vec2(size.x / view.w, size.y / view.h);
+    let both = if slice { each.x.max(each.y) } else { each.x.min(each.y) };
+    let (scale, [x, y]) = match align {
+        Align::None => (each, [0.0, 0.0]),
+        Align::XMinYMin => (vec2(both, both), [0.0, 0.0]),
+        Align::XMidYMin => (vec2(both, both), [0.5, 0.0]),
+        Align::XMaxYMin => (vec2(both, both), [1.0, 0.0]),
+        Align::XMinYMid => (vec2(both, both), [0.0, 0.5]),
+        Align::XMidYMid => (vec2(both, both), [0.5, 0.5]),
+        Align::XMaxYMid => (vec2(both, both), [1.0, 0.5]),
+        Align::XMinYMax => (vec2(both, both), [0.0, 1.0]),
+        Align::XMidYMax => (vec2(both, both), [0.5, 1.0]),
+        Align::XMaxYMax => (vec2(both, both), [1.0, 1.0]),
+    };
+    let shift = vec2(
+        (size.x - scale.x * view.w) * x - scale.x * view.x,
+        (size.y - scale.y * view.h) * y - scale.y * view.y,
+    );
+    Ok(Affine::new([scale.x, 0.0, 0.0, scale.y, shift.x, shift.y]))
 }
 
 /// Returns a length in user units: 96 of them are an inch.
@@ -105,6 +159,8 @@ fn length(element: Element, attribute: &str, otherwise: f64) -> Result<f64> {
 struct Layer<'a> {
     name: &'a str,
     has_role: bool,
+    /// Whether parts of a path within its parts are holes, wherever they go round.
+    even_odd: bool,
 }
 
 impl<'a> Layer<'a> {
@@ -113,13 +169,29 @@ impl<'a> Layer<'a> {
             element.attributes().find(|attribute| attribute.name() == "label").map(|label| label.value());
         let names = label.into_iter().chain(element.optional("id"));
         let mut names = names.chain(element.optional("class").into_iter().flat_map(str::split_whitespace));
+        let even_odd = self.even_odd_of(element);
         if let Some(name) = names.clone().find(|name| Role::of(name).is_some()) {
-            return Layer { name, has_role: true };
+            return Layer { name, has_role: true, even_odd };
         }
         let is_group = element.name() == "g";
         match names.next() {
-            Some(name) if is_group && !self.has_role => Layer { name, has_role: false },
-            _ => self,
+            Some(name) if is_group && !self.has_role => Layer { name, has_role: false, even_odd },
+            _ => Layer { even_odd, ..self },
+        }
+    }
+
+    /// Says it as the element does; of what is not filled, all lines are seen.
+    fn even_odd_of(self, element: Element) -> bool {
+        let style = element.optional("style").unwrap_or("");
+        let styled = |name: &str| {
+            let mut parts = style.split(';').filter_map(|part| part.split_once(':'));
+            parts.find(|(key, _)| key.trim() == name).map(|(_, value)| value.trim())
+        };
+        let said = |name: &str| styled(name).or(element.optional(name).map(str::trim));
+        match (said("fill"), said("fill-rule")) {
+            (Some("none"), _) | (_, Some("evenodd")) => true,
+            (_, Some("nonzero")) => false,
+            _ => self.even_odd,
         }
     }
 }
@@ -127,6 +199,8 @@ impl<'a> Layer<'a> {
 struct Walk<'a, 't> {
     tracer: &'t mut Tracer,
     by_id: HashMap<&'a str, Element<'a>>,
+    /// Width and height in user units, where they are known: what per cent are of.
+    viewport: Option<Vec2>,
 }
 
 impl<'a> Walk<'a, '_> {
@@ -160,6 +234,7 @@ impl<'a> Walk<'a, '_> {
                 element.elements().try_for_each(|inner| self.element(inner, &into, layer, depth + 1))
             }
             "use" => self.again(element, &into, layer, depth),
+            "svg" => self.framed([element, element], &into, layer, depth),
             _ => self.shape(element, &into, layer),
         }
     }
@@ -173,10 +248,44 @@ impl<'a> Walk<'a, '_> {
             return Ok(());
         };
         let into = into.after(&Affine::shift(vec2(length(element, "x", 0.0)?, length(element, "y", 0.0)?)));
-        if of.name() == "symbol" {
-            return of.elements().try_for_each(|inner| self.element(inner, &into, layer, depth + 1));
+        if matches!(of.name(), "symbol" | "svg") {
+            return self.framed([element, of], &into, layer.within(of), depth);
         }
         self.element(of, &into, layer, depth + 1)
+    }
+
+    /// Takes what is in a `<symbol>` or an inner `<svg>`, which has coordinates of its own. The first of both elements
+    /// that says its width, or its height, gives the size.
+    fn framed(&mut self, by: [Element<'a>; 2], into: &Affine, layer: Layer<'a>, depth: usize) -> Result<()> {
+        let [first, of] = by;
+        let whole = self.viewport;
+        let size = |attribute: &str, whole: Option<f64>| -> Result<Option<f64>> {
+            let own = extent(first, attribute, whole)?;
+            Ok(if own.is_some() { own } else { extent(of, attribute, whole)? }.or(whole))
+        };
+        let width = size("width", whole.map(|whole| whole.x))?;
+        let height = size("height", whole.map(|whole| whole.y))?;
+        let place = match of.name() {
+            "svg" => vec2(length(of, "x", 0.0)?, length(of, "y", 0.0)?),
+            _ => Vec2::zeros(),
+        };
+        let mut into = into.after(&Affine::shift(place));
+        let size = width.zip(height).map(|(width, height)| vec2(width, height));
+        if size.is_some_and(|size| size.x <= 0.0 || size.y <= 0.0) {
+            return Ok(());
+        }
+        let view = view_box(of)?;
+        if let Some(view) = view {
+            if view.w <= 0.0 || view.h <= 0.0 {
+                return Ok(());
+            }
+            into = into.after(&fitted(of, view, size.unwrap_or(vec2(view.w, view.h)))?);
+        }
+        let inner = view.map(|view| vec2(view.w, view.h)).or(size);
+        let before = std::mem::replace(&mut self.viewport, inner);
+        let done = of.elements().try_for_each(|inner| self.element(inner, &into, layer, depth + 1));
+        self.viewport = before;
+        done
     }
 
     fn shape(&mut self, element: Element<'a>, into: &Affine, layer: Layer<'a>) -> Result<()> {
@@ -214,15 +323,75 @@ impl<'a> Walk<'a, '_> {
         }
         let Trace { lines, curved, .. } = trace;
         self.tracer.curves += usize::from(curved);
-        for (corners, closed) in lines.into_iter().filter(|(corners, _)| corners.len() > 1) {
+        let lines = lines.into_iter().filter(|(corners, _)| corners.len() > 1);
+        let lines: Vec<(Vec<Vec2>, bool, bool)> = if kind == "path" && layer.has_role {
+            parts_of(lines.collect(), layer.even_odd).map_err(|error| placed(element, error))?
+        } else {
+            lines.map(|(corners, closed)| (corners, closed, false)).collect()
+        };
+        for (corners, closed, hole) in lines {
             let id = element.optional("id").map(str::to_owned);
             let entity = format!("<{kind}> in line {}", element.line());
             let layer = layer.name.to_owned();
             let name = id.filter(|id| *id != layer && layer.is_empty());
-            self.tracer.take(Line { layer, name, entity, corners, closed, hole: false })?;
+            self.tracer.take(Line { layer, name, entity, corners, closed, hole, ground: false })?;
         }
         Ok(())
     }
+}
+
+/// Says which parts of a path are holes of which: the rim of what is filled. Holes follow what they are in.
+fn parts_of(lines: Vec<(Vec<Vec2>, bool)>, even_odd: bool) -> Result<Vec<(Vec<Vec2>, bool, bool)>> {
+    let (closed, open): (Vec<_>, Vec<_>) =
+        lines.into_iter().partition(|(corners, closed)| *closed && corners.len() > 2);
+    let rings: Vec<Ring> = closed.into_iter().filter_map(|(corners, _)| Ring::through(corners)).collect();
+    let mut parts: Vec<(Vec<Vec2>, bool, bool)> = Vec::new();
+    if rings.len() < 2 {
+        parts.extend(rings.iter().map(|ring| (ring.corners().to_vec(), true, false)));
+    } else {
+        let corners: usize = rings.iter().map(|ring| ring.corners().len()).sum();
+        require(corners <= MOST_OF_PARTS, || {
+            format!(
+                "a path of {} parts has {corners} corners; at most {MOST_OF_PARTS} are allowed",
+                rings.len()
+            )
+        })?;
+        let drawn = if sides_that_meet(&rings).is_none() { rims(&rings, even_odd) } else { None };
+        let crossed = || {
+            let fill = if even_odd { Fill::EvenOdd } else { Fill::NonZero };
+            let contours: Vec<Contour> = rings.iter().map(contour).collect();
+            let left = overlay::difference(&contours, &[], fill);
+            left.iter().map(|rings| rings.iter().filter_map(overlay::ring).collect()).collect()
+        };
+        let polygons: Vec<Vec<Ring>> = drawn.unwrap_or_else(crossed);
+        let all = polygons.iter().flat_map(|rings| rings.iter().enumerate());
+        parts.extend(all.map(|(place, ring)| (ring.corners().to_vec(), true, place > 0)));
+    }
+    parts.extend(open.into_iter().map(|(corners, closed)| (corners, closed, false)));
+    Ok(parts)
+}
+
+/// The rims of what is filled, of rings that meet nowhere: each with its holes.
+fn rims(rings: &[Ring], even_odd: bool) -> Option<Vec<Vec<Ring>>> {
+    let sign = |ring: &Ring| if even_odd || ring.signed_area() > 0.0 { 1 } else { -1 };
+    let filled = |winding: i32| if even_odd { winding % 2 != 0 } else { winding != 0 };
+    let around: Vec<Vec<usize>> = (0..rings.len())
+        .map(|k| {
+            let corner = rings[k].corners()[0];
+            (0..rings.len()).filter(|&other| other != k && rings[other].contains(corner)).collect()
+        })
+        .collect();
+    let winding = |k: usize| around[k].iter().map(|&other| sign(&rings[other])).sum::<i32>();
+    let is_rim = |k: usize| !filled(winding(k)) && filled(winding(k) + sign(&rings[k]));
+    let is_hole = |k: usize| filled(winding(k)) && !filled(winding(k) + sign(&rings[k]));
+    let mut polygons: Vec<Option<Vec<Ring>>> =
+        (0..rings.len()).map(|k| is_rim(k).then(|| vec![rings[k].clone()])).collect();
+    for hole in (0..rings.len()).filter(|&k| is_hole(k)) {
+        // The innermost rim around it is in the most others.
+        let of = around[hole].iter().copied().filter(|&k| is_rim(k)).max_by_key(|&k| around[k].len())?;
+        polygons[of].as_mut()?.push(rings[hole].clone());
+    }
+    Some(polygons.into_iter().flatten().collect())
 }
 
 fn placed(element: Element, error: PeopleError) -> PeopleError {

@@ -471,6 +471,23 @@ fn layers_say_what_lines_are() {
         ("WalkableArea", Some((Role::WalkableArea, ""))),
         ("walkable_area_hall", Some((Role::WalkableArea, "hall"))),
         ("JuPedSim_walkable_area", Some((Role::WalkableArea, ""))),
+        ("jps-walkablearea-0", Some((Role::WalkableArea, "0"))),
+        ("JPS-Obstacles", Some((Role::Obstacle, ""))),
+        ("jps-exits-north", Some((Role::Exit, "north"))),
+        ("jps-distributions_2", Some((Role::Distribution, "2"))),
+        ("jps_waypoints3", Some((Role::Waypoint, "3"))),
+        ("jps-journeys-0", Some((Role::Unused, "0"))),
+        ("journeys", Some((Role::Unused, ""))),
+        ("jps-parameters", Some((Role::Unused, "parameters"))),
+        ("plan$0$walkablearea-0", Some((Role::WalkableArea, "0"))),
+        ("plan$12$jps-exits-a", Some((Role::Exit, "a"))),
+        ("A$0$B$0$obstacles", Some((Role::Obstacle, ""))),
+        ("plan|exits-0", Some((Role::Exit, "0"))),
+        ("plan|A-WALL", None),
+        ("Level 1::obstacles-b", Some((Role::Obstacle, "b"))),
+        ("0 - distributions-0", Some((Role::Distribution, "0"))),
+        ("walkablearea - 0|1", Some((Role::WalkableArea, "0|1"))),
+        ("plan$0$exit-signs", None),
         ("jupedsim", None),
         ("OBSTACLES-Columns", Some((Role::Obstacle, "Columns"))),
         ("obstacle", Some((Role::Obstacle, ""))),
@@ -618,12 +635,13 @@ fn other_readers_agree() {
         .collect();
     assert_eq!(corners, hall.walls.iter().map(Vec::len).collect::<Vec<_>>());
     let text = write_plan(&hall, Format::Wkt).unwrap();
-    let ::wkt::Wkt::GeometryCollection(all) = text.trim().parse::<::wkt::Wkt<f64>>().unwrap() else {
-        panic!("no collection")
+    // The outline is the first wall, the others are in it.
+    let ::wkt::Wkt::Polygon(polygon) = text.trim().parse::<::wkt::Wkt<f64>>().unwrap() else {
+        panic!("no polygon")
     };
-    for (read, wall) in all.geometries().iter().zip(&hall.walls) {
-        let ::wkt::Wkt::Polygon(polygon) = read else { panic!("{read:?}") };
-        let corners: Vec<Vec2> = polygon.rings()[0].coords().iter().map(|c| vec2(c.x, c.y)).collect();
+    assert_eq!(polygon.rings().len(), hall.walls.len());
+    for (ring, wall) in polygon.rings().iter().zip(&hall.walls) {
+        let corners: Vec<Vec2> = ring.coords().iter().map(|c| vec2(c.x, c.y)).collect();
         assert_eq!(corners, *wall);
     }
 }
@@ -689,4 +707,356 @@ fn an_exit_inside_closed_walls_is_named() {
     // An area inside, one whose side lies on the wall, one that goes beyond it; and beside a wall that is open.
     assert_eq!((of("1", 6.0), of("1", 8.0), of("1", 8.5)), (vec![0], vec![0], vec![]));
     assert!(of("0", 6.0).is_empty());
+}
+
+fn read_as(format: Format, text: &str) -> crate::error::Result<Read> {
+    Read::of(format, text.as_bytes(), &METRES, &PlanSettings::default())
+}
+
+/// Exits, journeys and obstacles of JuPedSim's converter, with the signs that others put before names: no walls.
+#[test]
+fn layers_of_jupedsim_and_of_bound_references_are_no_walls() {
+    let area = |layer: &str, [x0, y0, x1, y1]: [f64; 4]| {
+        format!(
+            "0 LWPOLYLINE 8 {layer} 70 1 10 {x0} 20 {y0} 10 {x1} 20 {y0} 10 {x1} 20 {y1} 10 {x0} 20 {y1} "
+        )
+    };
+    for [before, after] in
+        [["jps-", "-0"], ["jps-", ""], ["", ""], ["plan$0$", "-7"], ["plan|", "-0"], ["X$0$jps-", ""]]
+    {
+        let layer = |name: &str| format!("{before}{name}{after}");
+        let entities = area(&layer("walkablearea"), [0.0, 0.0, 8.0, 6.0])
+            + &area(&layer("obstacles"), [4.0, 2.5, 5.0, 3.5])
+            + &area(&layer("distributions"), [0.5, 0.5, 3.0, 5.5])
+            + &area(&layer("exits"), [7.2, 2.0, 7.8, 4.0])
+            + &format!("0 CIRCLE 8 {} 10 2 20 2 40 0.5 ", layer("waypoints"))
+            + &format!("0 LINE 8 {} 10 1 20 3 11 7 21 3", layer("journeys"));
+        let found = plan(Format::Dxf, &dxf_of("", "", &entities));
+        let places = (found.exits.len(), found.distributions.len(), found.waypoints.len());
+        assert_eq!((found.walls.len(), found.area(), places), (2, Some(47.0), (1, 1, 1)), "{before} {after}");
+        let left_out: Vec<String> = found.left_out.iter().map(left_out).collect();
+        assert_eq!(left_out, [format!("1 LINE (of JuPedSim, not used) on layer {:?}", layer("journeys"))]);
+    }
+    // Journeys are none without areas, too.
+    let text = area("A", [0.0, 0.0, 8.0, 6.0]) + "0 LINE 8 jps-journeys 10 1 20 3 11 7 21 3";
+    assert_eq!(plan(Format::Dxf, &dxf_of("", "", &text)).walls.len(), 1);
+}
+
+/// As shapely unites them.
+#[test]
+fn polygons_of_well_known_text_are_one_area() {
+    for (text, walls, area, within) in [
+        // Two halls and a passage, which touch; that overlap; a collection in a collection.
+        (
+            "MULTIPOLYGON (((0 0, 10 0, 10 5, 0 5, 0 0)), ((10 2, 20 2, 20 3, 10 3, 10 2)), ((20 0, 30 0, 30 5, 20 5, 20 0)))",
+            1,
+            110.0,
+            0,
+        ),
+        (
+            "GEOMETRYCOLLECTION (POLYGON ((0 0, 10 0, 10 5, 0 5, 0 0)), GEOMETRYCOLLECTION (POLYGON ((9 2, 20 2, 20 3, 9 3, 9 2))), \
+             POLYGON ((19 0, 30 0, 30 5, 19 5, 19 0)))",
+            1,
+            50.0 + 55.0 + 9.0,
+            0,
+        ),
+        // Apart: all of it counts.
+        ("MULTIPOLYGON (((0 0, 10 0, 10 5, 0 5, 0 0)), ((12 0, 15 0, 15 4, 12 4, 12 0)))", 2, 62.0, 0),
+        // A hole that another polygon covers in part; holes that overlap; one that holds an island.
+        (
+            "MULTIPOLYGON (((0 0, 10 0, 10 5, 0 5, 0 0), (2 2, 4 2, 4 4, 2 4, 2 2)), ((3 1, 5 1, 5 3, 3 3, 3 1)))",
+            2,
+            47.0,
+            0,
+        ),
+        (
+            "POLYGON ((0 0, 10 0, 10 5, 0 5, 0 0), (2 2, 4 2, 4 4, 2 4, 2 2), (3 1, 5 1, 5 3, 3 3, 3 1))",
+            2,
+            43.0,
+            0,
+        ),
+        (
+            "MULTIPOLYGON (((0 0, 10 0, 10 5, 0 5, 0 0), (2 1, 5 1, 5 4, 2 4, 2 1)), ((3 2, 4 2, 4 3, 3 3, 3 2)))",
+            3,
+            42.0,
+            0,
+        ),
+        // What lies within another one changes nothing, and is said.
+        (
+            "GEOMETRYCOLLECTION (POLYGON ((0 0, 10 0, 10 5, 0 5, 0 0)), POLYGON ((2 1, 5 1, 5 4, 2 4, 2 1)))",
+            1,
+            50.0,
+            1,
+        ),
+        // One polygon is as drawn, and lines are walls.
+        (
+            "GEOMETRYCOLLECTION (POLYGON ((0 0, 10 0, 10 5, 0 5, 0 0), (2 1, 5 1, 5 4, 2 4, 2 1)), LINESTRING (6 0, 6 3))",
+            3,
+            41.0,
+            0,
+        ),
+        // A corner that is repeated, and one that is nearly so; a spike; a hole that is reached by a bridge.
+        ("POLYGON ((0 0, 10 0, 10 0, 10 5, 10 5.0000001, 0 5, 0 0, 0 0))", 1, 50.0, 0),
+        ("POLYGON ((0 0, 10 0, 12 0, 10 0, 10 5, 0 5, 0 0))", 1, 50.0, 0),
+        ("POLYGON ((0 0, 10 0, 10 5, 0 5, 0 0, 2 1, 2 4, 5 4, 5 1, 2 1, 0 0))", 2, 41.0, 0),
+    ] {
+        let found = plan(Format::Wkt, text);
+        let of = found.area().unwrap();
+        assert!((of - area).abs() < 1e-5, "{text}: {of}");
+        assert_eq!((found.walls.len(), found.within.len()), (walls, within), "{text}: {:?}", found.walls);
+    }
+    let said = read_as(Format::Wkt, "POLYGON ((0 0, 10 0, 0 5, 10 5, 0 0))").unwrap_err().to_string();
+    assert_eq!(said, "POLYGON 0: its sides cross or touch each other");
+}
+
+fn feature(layer: &str, corners: &[Vec2]) -> String {
+    let text = |at: &Vec2| format!("[{}, {}]", at.x, at.y);
+    let corners: Vec<String> = corners.iter().chain(&corners[..1]).map(text).collect();
+    format!(
+        r#"{{"type": "Feature", "properties": {{"layer": "{layer}"}}, "geometry": {{"type": "Polygon", "coordinates": [[{}]]}}}}"#,
+        corners.join(", ")
+    )
+}
+
+fn collection(features: &[String]) -> String {
+    format!(r#"{{"type": "FeatureCollection", "features": [{}]}}"#, features.join(", "))
+}
+
+/// Two rooms that share a part of a side, turned by each angle, in millimetres: the wall between them is open.
+#[test]
+fn areas_that_share_a_side_are_united_at_each_angle() {
+    for degrees in 0..360 {
+        let turn = lemons_core::plane::rotation(f64::from(degrees).to_radians());
+        let room = |[x0, y0, x1, y1]: [f64; 4]| {
+            let corners = [vec2(x0, y0), vec2(x1, y0), vec2(x1, y1), vec2(x0, y1)];
+            corners.map(|at| (turn * at).map(|x| (x * 1e3).round() / 1e3))
+        };
+        let features =
+            [[0.0, 0.0, 6.0, 4.0], [2.0, 4.0, 4.0, 9.0]].map(|sides| feature("walkablearea-0", &room(sides)));
+        let found = plan(Format::GeoJson, &collection(&features));
+        assert_eq!((found.walls.len(), found.walls[0].len() < 12), (1, true), "{degrees}: {:?}", found.walls);
+        assert!((found.area().unwrap() - 34.0).abs() < 0.02, "{degrees}: {:?}", found.area());
+        let (a, b) = (turn * vec2(3.0, 3.5), turn * vec2(3.0, 4.5));
+        let shut =
+            found.walls[0].windows(2).any(|side| lemons_core::plane::segments_touch(a, b, side[0], side[1]));
+        assert!(!shut, "{degrees}");
+    }
+}
+
+#[test]
+fn holes_of_paths_are_holes() {
+    let square = |low: i32, high: i32, left: bool| {
+        let side = high - low;
+        if left {
+            format!("M{low},{low} v{side} h{side} v-{side} z ")
+        } else {
+            format!("M{low},{low} h{side} v{side} h-{side} z ")
+        }
+    };
+    let of = |role: &str, how: &str, path: &str| {
+        let room = if role == "obstacles" { "<rect id='walkablearea' width='30' height='30'/>" } else { "" };
+        let text =
+            format!("<svg viewBox='0 0 30 30'>{room}<g {how}><path id='{role}' d='{path}'/></g></svg>");
+        plan(Format::Svg, &text).area().unwrap()
+    };
+    let [outer, same, other] = [square(0, 20, false), square(5, 10, false), square(5, 10, true)];
+    let [inner, crossing] = [square(6, 8, false), square(8, 15, true)];
+    for (how, path, expected) in [
+        ("fill-rule='evenodd'", outer.clone() + &same, 375.0),
+        ("style='fill: red; fill-rule: evenodd'", outer.clone() + &same, 375.0),
+        ("style='fill:none'", outer.clone() + &same, 375.0),
+        ("", outer.clone() + &other, 375.0),
+        ("fill-rule='nonzero'", outer.clone() + &same, 400.0),
+        ("", other.clone() + &outer, 375.0),
+        // An island in the hole; holes that overlap, of which even-odd fills what is in both.
+        ("", outer.clone() + &other + &inner, 379.0),
+        ("fill-rule='evenodd'", outer.clone() + &same + &inner, 379.0),
+        ("fill-rule='evenodd'", outer.clone() + &same + &crossing, 400.0 - 25.0 - 49.0 + 8.0),
+    ] {
+        let area = of("walkablearea", how, &path);
+        assert!((area - expected).abs() < 1e-6, "{how} {path}: {area}");
+        let area = of("obstacles", how, &path);
+        assert!((area - (900.0 - expected)).abs() < 1e-6, "{how} {path}: {area}");
+    }
+}
+
+/// The rectangle of each, as the standard says.
+#[test]
+fn symbols_and_inner_pictures_have_coordinates_of_their_own() {
+    for (symbol, by, low, high) in [
+        (
+            "<symbol id='s' viewBox='0 0 10 10'>",
+            "x='100' y='100' width='50' height='50'",
+            [100.0, 100.0],
+            [150.0, 150.0],
+        ),
+        (
+            "<symbol id='s' viewBox='0 0 10 10' width='50' height='50'>",
+            "x='100' y='100'",
+            [100.0, 100.0],
+            [150.0, 150.0],
+        ),
+        (
+            "<symbol id='s' viewBox='0 0 10 10'>",
+            "x='100' width='80' height='20'",
+            [130.0, 0.0],
+            [150.0, 20.0],
+        ),
+        (
+            "<symbol id='s' viewBox='0 0 10 10' preserveAspectRatio='none'>",
+            "x='100' width='80' height='20'",
+            [100.0, 0.0],
+            [180.0, 20.0],
+        ),
+        (
+            "<symbol id='s' viewBox='0 0 10 10' preserveAspectRatio='xMaxYMin meet'>",
+            "width='20' height='80'",
+            [0.0, 0.0],
+            [20.0, 20.0],
+        ),
+        (
+            "<symbol id='s' viewBox='0 0 10 10' preserveAspectRatio='xMinYMax'>",
+            "width='20' height='80'",
+            [0.0, 60.0],
+            [20.0, 80.0],
+        ),
+        (
+            "<symbol id='s' viewBox='5 5 20 20'>",
+            "x='100' width='40' height='40'",
+            [90.0, -10.0],
+            [110.0, 10.0],
+        ),
+        ("<symbol id='s' viewBox='0 0 10 10'>", "width='50%' height='25%'", [125.0, 0.0], [275.0, 150.0]),
+        ("<symbol id='s' viewBox='0 0 10 10'>", "", [100.0, 0.0], [700.0, 600.0]),
+        ("<symbol id='s'>", "x='7' width='50' height='50'", [7.0, 0.0], [17.0, 10.0]),
+        (
+            "<svg id='s' x='3' width='20' height='20' viewBox='0 0 10 10'>",
+            "x='7' width='40' height='40'",
+            [10.0, 0.0],
+            [50.0, 40.0],
+        ),
+    ] {
+        let end = if symbol.starts_with("<svg") { "</svg>" } else { "</symbol>" };
+        let text = format!(
+            "<svg viewBox='0 0 800 600'><defs>{symbol}<rect width='10' height='10'/>{end}</defs><use href='#s' {by}/></svg>"
+        );
+        let line = Drawing::read(Format::Svg, text.as_bytes(), &METRES).unwrap().lines.remove(0);
+        let bounds = Bounds::of(line.corners.iter().copied()).unwrap();
+        // y is upwards.
+        let expected = Bounds { low: vec2(low[0], 600.0 - high[1]), high: vec2(high[0], 600.0 - low[1]) };
+        assert!(
+            near(bounds.low, expected.low) && near(bounds.high, expected.high),
+            "{symbol} {by}: {bounds:?}"
+        );
+    }
+    let text = "<svg viewBox='0 0 80 60'><svg x='10' y='10' width='20' height='20' viewBox='0 0 5 5'><rect width='5' height='5'/></svg></svg>";
+    let line = Drawing::read(Format::Svg, text.as_bytes(), &METRES).unwrap().lines.remove(0);
+    assert!(line.corners.iter().any(|at| near(*at, vec2(30.0, 30.0))), "{line:?}");
+}
+
+#[test]
+fn what_is_in_other_files_or_cut_off_is_said() {
+    let square = "0 LWPOLYLINE 8 A 70 1 10 0 20 0 10 8 20 0 10 8 20 6 10 0 20 6 ";
+    let block = "0 BLOCK 2 XR 70 FLAGS 10 0 20 0 1 ../other.dwg 0 ENDBLK";
+    let of = |flags: &str| {
+        let text =
+            dxf_of("", &block.replace("FLAGS", flags), &format!("{square} 0 INSERT 8 B 2 XR 10 0 20 0"));
+        plan(Format::Dxf, &text).left_out.iter().map(left_out).collect::<Vec<_>>()
+    };
+    let expected = "1 INSERT of \"XR\": the file \"../other.dwg\" that it stands for is not read; bind it on layer \"B\"";
+    // An external reference, one that is found, and one over another.
+    assert_eq!(
+        (of("4"), of("36"), of("12")),
+        (vec![expected.into()], vec![expected.into()], vec![expected.into()])
+    );
+    assert!(of("0").is_empty());
+
+    let whole = dxf_of("", "", square);
+    let cut = |end: &str| Drawing::read(Format::Dxf, whole[..whole.find(end).unwrap()].as_bytes(), &METRES);
+    let error = cut("6\n0\nENDSEC\n0\nEOF").unwrap_err().to_string();
+    assert!(error.ends_with("without its value"), "{error}");
+    let error = cut("20\n6\n0\nENDSEC\n0\nEOF").unwrap_err().to_string();
+    assert_eq!(error, "line 36: the file ends within section ENTITIES, without ENDSEC: it was cut off");
+    assert!(cut("0\nENDSEC\n0\nEOF").unwrap_err().to_string().contains("cut off"));
+    let ended: Vec<String> = cut("0\nEOF").unwrap().left_out.iter().map(left_out).collect();
+    assert_eq!(ended, ["1 EOF, which is missing: the file may have been cut off"]);
+}
+
+#[test]
+fn widths_of_polylines_are_said() {
+    let of = |entity: &str| {
+        let text = dxf_of("", "", entity);
+        let reading = Reading { unit: Some(0.01), ..METRES };
+        let drawing = Drawing::read(Format::Dxf, text.as_bytes(), &reading).unwrap();
+        (drawing.lines[0].corners.len(), drawing.left_out.iter().map(left_out).collect::<Vec<_>>())
+    };
+    let said =
+        |kind: &str| vec![format!("1 width of 0.240 m of a {kind}: its middle line is taken on layer \"A\"")];
+    assert_eq!(of("0 LWPOLYLINE 8 A 43 24 10 0 20 0 10 900 20 0"), (2, said("LWPOLYLINE")));
+    assert_eq!(of("0 LWPOLYLINE 8 A 10 0 20 0 40 24 41 12 10 900 20 0"), (2, said("LWPOLYLINE")));
+    assert_eq!(
+        of("0 POLYLINE 8 A 66 1 0 VERTEX 10 0 20 0 40 24 41 24 0 VERTEX 10 9 20 0 0 SEQEND"),
+        (2, said("POLYLINE"))
+    );
+    assert_eq!(of("0 LWPOLYLINE 8 A 43 0 10 0 20 0 10 900 20 0").1, Vec::<String>::new());
+}
+
+#[test]
+fn walls_on_layers_that_are_not_there_are_refused() {
+    let text = dxf_of(
+        "",
+        "",
+        "0 LINE 8 A-WALL 10 0 20 0 11 9 21 0 0 LINE 8 A-DOOR 10 0 20 1 11 9 21 1 0 TEXT 8 A-TEXT 1 x",
+    );
+    let of = |walls: &[&str]| {
+        let walls = walls.iter().map(|wall| (*wall).to_owned()).collect();
+        let drawing = Drawing::read(Format::Dxf, text.as_bytes(), &METRES).unwrap();
+        Plan::of(drawing, &PlanSettings { walls, ..PlanSettings::default() })
+    };
+    let said = of(&["A-WALL", "A-WAL"]).unwrap_err().to_string();
+    let expected =
+        r#"there is no layer "A-WAL" for walls in this drawing; there are "A-DOOR", "A-TEXT", "A-WALL""#;
+    assert_eq!(said, expected);
+    // Names of layers are the same in upper and lower case.
+    assert_eq!(of(&["a-wall"]).unwrap().walls.len(), 1);
+}
+
+#[test]
+fn units_and_places_that_no_room_has_are_doubted() {
+    let of = |unit: &str, [x, y]: [f64; 2]| {
+        let (right, top) = (x + 8.0, y + 6.0);
+        let square = format!(
+            "0 LWPOLYLINE 8 walkablearea 70 1 10 {x} 20 {y} 10 {right} 20 {y} 10 {right} 20 {top} 10 {x} 20 {top}"
+        );
+        let text = dxf_of(&format!("9 $INSUNITS 70 {unit}"), "", &square);
+        let reading = Reading::default();
+        let read = Read::of(Format::Dxf, text.as_bytes(), &reading, &PlanSettings::default()).unwrap();
+        let said = read.said("x");
+        let find = |key: &str| said.iter().find(|(what, _)| *what == key).map(|(_, how)| how.clone());
+        (find("unit?"), find("far"), find("ground").unwrap())
+    };
+    assert_eq!(of("6", [0.0, 0.0]), (None, None, "48.000 m² within the outline, without obstacles".into()));
+    let (unit, far, _) = of("1", [0.0, 0.0]);
+    assert!(
+        far.is_none()
+            && unit.unwrap().starts_with(
+                "no room is 0.203 m x 0.152 m; it is 8.00 x 6.00 units, which would be m: 8.00 m"
+            )
+    );
+    let (unit, far, ground) = of("6", [500_000.0, 5_600_000.0]);
+    assert_eq!(
+        (unit, far.unwrap()),
+        (None, "5600 km from the origin; people stand within 1000 km of it".into())
+    );
+    assert!(ground.starts_with("48.000 m²"));
+}
+
+/// Of 30 000 lines on each other one wall is left: the engine compares all pairs of those.
+#[test]
+fn many_lines_on_one_line_are_one_wall() {
+    let lines: String = (0..30_000)
+        .map(|k| format!("0 LINE 8 W 10 0 20 0 11 {} 21 0 ", 100.0 - f64::from(k) * 1e-3))
+        .collect();
+    let found = plan(Format::Dxf, &dxf_of("", "", &lines));
+    assert_eq!((found.walls.len(), found.doubles), (1, 29_999));
 }

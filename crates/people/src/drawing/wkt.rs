@@ -23,6 +23,7 @@ pub(super) fn read(text: &str, reading: &Reading) -> Result<Tracer> {
                 corners: corners.iter().map(|corner| scale.of(*corner)).collect(),
                 closed,
                 hole,
+                ground: closed,
             })
         };
         match shape {

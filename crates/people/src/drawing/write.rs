@@ -1,9 +1,9 @@
 //! A plan -> GeoJSON, well-known text or DXF, as [`Drawing::read`](super::Drawing::read) reads them.
 
 use super::Format;
-use super::plan::{Place, Plan, Role};
+use super::plan::{MOST_CORNERS, Place, Plan, Role};
 use crate::is_closed;
-use lemons_core::plane::Vec2;
+use lemons_core::plane::{Bounds, Ring, Vec2};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -75,17 +75,46 @@ fn geojson(plan: &Plan) -> String {
     format!("{{\"type\": \"FeatureCollection\", \"features\": [\n{}\n]}}\n", features.join(",\n"))
 }
 
+/// Closed walls are polygons: those within others are holes of them, as other programs take them, unless there are more
+/// than are read again.
 fn wkt(plan: &Plan) -> String {
-    let mut parts = Vec::new();
-    for wall in &plan.walls {
+    let text = |wall: &[Vec2]| {
         let corners: Vec<String> = wall.iter().map(|corner| format!("{} {}", corner.x, corner.y)).collect();
-        let corners = corners.join(", ");
-        parts.push(if is_closed(wall) {
-            format!("POLYGON (({corners}))")
-        } else {
-            format!("LINESTRING ({corners})")
-        });
+        format!("({})", corners.join(", "))
+    };
+    let ring = |wall: &Vec<Vec2>| Ring::through(wall.clone()).filter(|_| is_closed(wall));
+    let rings: Vec<Ring> = plan.walls.iter().filter_map(ring).collect();
+    let bounds: Vec<Bounds> = rings.iter().map(Ring::bounds).collect();
+    let around = |k: usize| -> Vec<usize> {
+        let corner = rings[k].corners()[0];
+        let holds =
+            |&other: &usize| other != k && bounds[other].contains(corner) && rings[other].contains(corner);
+        (0..rings.len()).filter(holds).collect()
+    };
+    let around: Vec<Vec<usize>> = if rings.len() <= MOST_CORNERS {
+        (0..rings.len()).map(around).collect()
+    } else {
+        vec![Vec::new(); rings.len()]
+    };
+    let mut polygons: Vec<Vec<String>> = vec![Vec::new(); rings.len()];
+    let is_outer = |k: usize| around[k].len().is_multiple_of(2);
+    for k in (0..rings.len()).filter(|k| is_outer(*k)) {
+        polygons[k].push(text(rings[k].closed()));
     }
+    for k in (0..rings.len()).filter(|k| !is_outer(*k)) {
+        // The innermost one around it.
+        let of = around[k].iter().copied().filter(|of| is_outer(*of)).max_by_key(|of| around[*of].len());
+        polygons[of.unwrap_or(k)].push(text(rings[k].closed()));
+    }
+    let polygons = polygons.into_iter().filter(|rings| !rings.is_empty());
+    let polygons = polygons.map(|rings| format!("POLYGON ({})", rings.join(", ")));
+    // Where doors open the outline, it is no polygon: then what stands in it is none, either.
+    let within = |wall: &Vec<Vec2>| bounds.iter().any(|of| wall.iter().all(|corner| of.contains(*corner)));
+    let all_are_lines = !plan.walls.iter().filter(|wall| !is_closed(wall)).all(within);
+    let polygons = polygons.filter(|_| !all_are_lines);
+    let lines = plan.walls.iter().filter(|wall| all_are_lines || !is_closed(wall));
+    let open = lines.map(|wall| format!("LINESTRING {}", text(wall)));
+    let parts: Vec<String> = polygons.chain(open).collect();
     match &parts[..] {
         [one] => format!("{one}\n"),
         _ => format!("GEOMETRYCOLLECTION ({})\n", parts.join(",\n  ")),

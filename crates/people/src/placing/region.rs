@@ -8,7 +8,7 @@ use lemons_core::plane::{
 use lemons_core::trial::Geometry;
 
 /// \[m\] Corners further from the origin are refused: up to there a millimetre is exact.
-pub(super) const FARTHEST: f64 = 1e6;
+pub(crate) const FARTHEST: f64 = 1e6;
 /// \[m²\] Smallest allowed area of a polygon or hole.
 pub(super) const SMALLEST_AREA: f64 = 1e-6;
 /// Largest number of corners of all rings together: all pairs of edges are compared.

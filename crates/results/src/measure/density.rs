@@ -62,8 +62,9 @@ impl MeasuringArea {
         let count = speeds.len();
         // Of trajectories, the speed of somebody may not be known.
         let speeds: Vec<f64> = speeds.into_iter().filter(|speed| !speed.is_nan()).collect();
-        let people: Vec<Vec2> = there.iter().map(|motion| motion.pose.position).collect();
         let voronoi_density = room.map(|room| {
+            // Heads lean over walls.
+            let people: Vec<Vec2> = there.iter().map(|motion| room.nearest(motion.pose.position).0).collect();
             let shape = vec![contour(&self.0)];
             let cells = room.cells(&people, self.0.bounds()).into_iter().flatten();
             // A cell without area is that of somebody outside of the room, or squeezed into a corner of the polygon.
@@ -89,7 +90,9 @@ impl MeasuringArea {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measured_area;
     use lemons_core::plane::{Motion, Polygon, Pose, Twist};
+    use lemons_core::trial::Wall;
 
     fn frame(places: &[(f64, f64)]) -> Frame {
         let motion = |&(x, y): &(f64, f64)| Motion {
@@ -123,6 +126,40 @@ mod tests {
         let elsewhere = elsewhere.measure(&frame(&[(4.5, 4.5), (0.5, 3.5), (3.5, 0.5)]), Some(&room));
         assert!(elsewhere.people == 0 && elsewhere.voronoi_density.unwrap() > 0.0, "{elsewhere:?}");
         assert!(nobody.voronoi_density.unwrap().is_sign_positive());
+    }
+
+    /// Three rows of people in a corridor 2 m wide, 0.5 m apart; the outer two lean over its walls by 5 cm and a hand. Within
+    /// the walls a column of 0.5 m · 2 m belongs to three people, so the density is 3 /m², as N / A of all would be.
+    #[test]
+    fn heads_over_the_walls_count_at_the_walls() {
+        let places: Vec<(f64, f64)> =
+            (0..20).flat_map(|k| [-0.05, 1.0, 2.2].map(|y| (0.25 + 0.5 * f64::from(k), y))).collect();
+        let heads: Vec<Vec2> = places.iter().map(|(x, y)| vec2(*x, *y)).collect();
+        let line = |y: f64| Wall::new(&y.to_string(), "stone", vec![vec2(0.0, y), vec2(10.0, y)]);
+        let all_around: Vec<Vec2> = square(0.0, 10.0).corners().to_vec();
+        let closed = all_around.iter().map(|p| vec2(p.x, 0.2 * p.y)).chain([vec2(0.0, 0.0)]).collect();
+        let area = MeasuringArea::of_numbers(&[2.0, -0.5, 8.0, 2.5]).unwrap();
+        let within = MeasuringArea::of_numbers(&[2.0, 0.0, 8.0, 2.0]).unwrap();
+        for walls in [vec![line(0.0), line(2.0)], vec![Wall::new("all", "stone", closed)]] {
+            let measured = measured_area(&walls, &heads).unwrap();
+            assert!((measured.polygon.outer.area() - 20.0).abs() < 1e-9, "{:?}", measured.said);
+            let room = Room::of(&measured.polygon);
+            let seen = within.measure(&frame(&places), Some(&room));
+            assert!((seen.voronoi_density.unwrap() - 3.0).abs() < 1e-6, "{seen:?}");
+            // All of them are in an area that is wider than the corridor, two thirds of it being in it.
+            let seen = area.measure(&frame(&places), Some(&room));
+            assert!(
+                (seen.voronoi_density.unwrap() - seen.density).abs() < 1e-6 && seen.density == 2.0,
+                "{seen:?}"
+            );
+            // Who is far from the walls is beyond them: they hold nobody back.
+            let far: Vec<Vec2> = heads.iter().copied().chain([vec2(5.0, 4.0)]).collect();
+            let other = measured_area(&walls, &far);
+            assert!(other.is_none() || walls.len() == 2, "{other:?}");
+        }
+        // Without walls it is the box of all.
+        let boxed = measured_area(&[], &heads).unwrap();
+        assert!((boxed.polygon.outer.area() - 10.5 * 3.25).abs() < 1e-9);
     }
 
     #[test]

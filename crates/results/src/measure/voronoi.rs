@@ -9,13 +9,25 @@ pub struct Room {
     polygon: Vec<Contour>,
     bounds: Bounds,
     sides: Vec<Bounds>,
+    of: Polygon,
 }
 
 impl Room {
     /// Makes the room of a polygon \[m\].
     pub fn of(polygon: &Polygon) -> Room {
         let sides = polygon.rings().flat_map(Ring::sides).filter_map(|(a, b)| Bounds::of([a, b])).collect();
-        Room { polygon: polygon.rings().map(contour).collect(), bounds: polygon.outer.bounds(), sides }
+        let contours = polygon.rings().map(contour).collect();
+        Room { polygon: contours, bounds: polygon.outer.bounds(), sides, of: polygon.clone() }
+    }
+
+    /// Returns the nearest place \[m\] in the room, and how far it is.
+    pub fn nearest(&self, place: Vec2) -> (Vec2, f64) {
+        if self.of.contains(place) {
+            return (place, 0.0);
+        }
+        let feet = self.of.rings().map(|ring| ring.nearest(place));
+        let nearest = feet.min_by(|a, b| a.distance.total_cmp(&b.distance));
+        nearest.map_or((place, 0.0), |foot| (foot.place, foot.distance))
     }
 
     /// The cells of people at these places \[m\], in their order, where they may meet a rectangle; else `None`.
