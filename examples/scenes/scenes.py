@@ -106,11 +106,14 @@ def platform(out, pictures):
     lines = [word for x in (4, 12, 20) for word in ("--line", f"{x}={x + 0.65},0,{x - 0.65},0")]
     summary, people, gaps = measure(trial, 60, *lines)
     of = kinds(trial)
+    gone = set()
     for line in summary["lines"]:
         own = max(line["directions"], key=lambda each: each["people"])
-        bags = sum(of[row["id"]] not in ("adult", "backpack") for row in gaps if row["line"] == line["name"])
+        # Who is pushed back has a row in the other direction, too.
+        out = [row["id"] for row in gaps if (row["line"], row["direction"]) == (line["name"], own["direction"])]
+        bags = sum(of[person] not in ("adult", "backpack") for person in out)
+        gone |= set(map(int, out))
         yield f"door at {line['name']:>2} m  {own['people']} people, {bags} of them with a suitcase or a stroller; the last after {own['last']:.1f} s"
-    gone = [int(row["id"]) for row in gaps]
     yield f"boarded        {sum(number % 3 > 0 for number in gone)} of 42, and {sum(number % 3 == 0 for number in gone)} who waited was pushed through a door"
     yield from by_kind(trial, people)
     picture(trial, pictures and pictures / "scene_platform.png", *("--at", "0,4,8,16", "--columns", 1, "--fill", "kind", "--view", "-0.2,-1.3,24.2,5.2"))
