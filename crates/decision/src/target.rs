@@ -393,31 +393,4 @@ mod tests {
         let arrived = |at| ways.arrived(Destination::NearestExit, at, at, |_| true);
         assert_eq!((arrived(beside), arrived(on)), (None, Some(Arrival::Leaves)));
     }
-
-    /// The outside: by hand. Of two doorways in a wall, people go through that with the door, whose line is the exit, or a
-    /// little behind it, anywhere on the grid and at any angle. The other one has no door.
-    #[test]
-    fn a_door_on_the_line_of_an_exit_is_on_the_way() {
-        for k in 0..60 {
-            let turn = lemons_core::plane::rotation(if k < 20 { 0.0 } else { 0.11 * f64::from(k - 20) });
-            let shift = vec2(0.01 * f64::from(k), 0.003 * f64::from(k));
-            let put = |x: f64, y: f64| turn * (vec2(x, y) + shift);
-            let wall = |from: f64, to: f64| vec![put(10.0, from), put(10.0, to)];
-            let walls = [wall(-3.0, 0.0), wall(1.2, 4.0), wall(5.2, 8.0)];
-            for behind in [0.0, 0.02, 0.06] {
-                let corners = [put(10.0 + behind, -3.0), put(10.0 + behind, 8.0)].map(Into::into).to_vec();
-                let (open, name) = (Vec::new(), String::new());
-                let exit = Target { name, stay: false, corners, open, time_factor: 1.0 };
-                let [before, other] = [put(7.0, 0.6), put(7.0, 4.6)];
-                let people = [before, other, put(0.0, 0.0)].map(|at| (at, Destination::Target(0)));
-                let ways = Ways::new(&walls, &[exit], people.into_iter()).unwrap();
-                let ways = ways.with_doors(vec![vec![[put(10.0, 0.0), put(10.0, 1.2)]]]).unwrap();
-                for (at, count) in [(before, 1), (put(9.9, 0.5), 1), (other, 0), (put(10.3, 0.6), 0)] {
-                    let doors: Vec<(usize, f64)> = ways.doors_to(0, at).collect();
-                    assert_eq!(doors.len(), count, "{k}, {behind} m behind, from {at:?}: {doors:?}");
-                    assert!(doors.iter().all(|(_, far)| *far <= 0.3), "{k}: {doors:?}");
-                }
-            }
-        }
-    }
 }
