@@ -20,11 +20,13 @@ const STRAIGHT: f64 = 1e-6;
 const SMALLEST: f64 = 1e-6;
 /// Rounds in which sides get corners: each may bring others near.
 const ROUNDS: usize = 4;
+/// How many more places may be where sides cross, with what fills slits: it crosses what it is between, four times.
+const OF_SLITS: usize = 5;
 
 /// Returns what is in any of the areas and in none of the obstacles. Holes of a polygon may overlap, and are no part of
 /// it. Areas that are at most `gap` \[m\] apart along their sides are one; ground that is narrower everywhere is left out.
 /// No ring touches itself. `None` if sides cross at more than `most` places, so many corners lie on sides of others, or so
-/// many slits are filled: this is counted before the polygons are united.
+/// many slits are filled, or what fills them crosses others five times as often: this is counted before polygons are united.
 pub fn ground(areas: &[Polygon], obstacles: &[Polygon], gap: f64, most: usize) -> Option<Vec<Polygon>> {
     let united = united_polygons(areas, gap, most)?;
     let taken = united_polygons(obstacles, SLIT, most)?;
@@ -38,6 +40,7 @@ pub fn ground(areas: &[Polygon], obstacles: &[Polygon], gap: f64, most: usize) -
         let (ground, taken) = rims.split_at(of_ground);
         let slits = slits(ground, Some(taken), SLIT, most)?;
         let taken: Vec<Contour> = contours(taken).into_iter().chain(slits).collect();
+        few_cross(&[contours(ground), taken.clone()].concat(), OF_SLITS * most)?;
         parted(&contours(ground), &taken)
     };
     Some(left.iter().filter_map(|contours| tidied(contours, gap)).collect())
@@ -110,6 +113,7 @@ fn united_polygons(polygons: &[Polygon], gap: f64, most: usize) -> Option<Polygo
     snap(&mut rims, most)?;
     let slits = slits(&rims, None, gap, most)?;
     let all: Vec<Contour> = contours(&rims).into_iter().chain(slits).collect();
+    few_cross(&all, OF_SLITS * most)?;
     Some(parted(&all, &[]))
 }
 
@@ -180,7 +184,13 @@ fn snap(rims: &mut [Rim], most: usize) -> Option<()> {
             rim.corners.pop();
         }
     }
-    let sides: Vec<(Vec2, Vec2)> = rims.iter().flat_map(Rim::sides).collect();
+    few_cross(&contours(rims), most)
+}
+
+/// `None` if sides cross at more than `most` places.
+fn few_cross(contours: &[Contour], most: usize) -> Option<()> {
+    let rings = contours.iter().filter_map(super::overlay::ring);
+    let sides: Vec<(Vec2, Vec2)> = rings.flat_map(|ring| ring.sides().collect::<Vec<_>>()).collect();
     let mut crossings = 0;
     let are_too_many = |i: usize, j: usize| {
         let ((a, b), (c, d)) = (sides[i], sides[j]);
@@ -421,6 +431,18 @@ mod tests {
         // Obstacles across an area, too: its two long sides cross those of 30.
         assert!(ground(&bars[..1], &lying(30), 0.015, 120).is_some());
         assert_eq!(ground(&bars[..1], &lying(30), 0.015, 119), None);
+        // 10 rooms on each other beside 10 others: what fills the 200 slits lies over each other.
+        let stacked = |k: u32| {
+            let off = 5e-5 * f64::from(k / 2);
+            let sides = match k % 2 {
+                0 => [-off, off, 5.0 - off, 5.0 + off],
+                _ => [5.001 + off, 0.01 + off, 10.0 + off, 5.01 + off],
+            };
+            rectangle(sides, 0.1, Vec2::zeros(), 0.0)
+        };
+        let stacked: Vec<Polygon> = (0..20).map(stacked).collect();
+        assert!(ground(&stacked[..2], &[], 0.015, MOST).is_some());
+        assert_eq!(ground(&stacked, &[], 0.015, 400), None);
         // Two combs across each other, of 2400 teeth each, are 23 million: nothing of them is made.
         let tooth = |k: u32| {
             [[0.0, 0.0], [0.2, 2400.0], [0.4, 2400.0], [0.6, 0.0]].map(|[x, y]| [x + f64::from(k), y])
