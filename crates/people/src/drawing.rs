@@ -124,6 +124,8 @@ pub enum UnitFrom {
 pub struct Line {
     /// As the file has it; empty if there is none.
     pub layer: String,
+    /// What its layer, or another name of it, says that it is, and the rest of that name.
+    pub role: Option<(Role, String)>,
     /// A name that the file gives this one.
     pub name: Option<String>,
     /// What it is, as messages call it, with its place in the file: `LINE in line 12`.
@@ -290,6 +292,10 @@ impl Tracer {
 }
 
 impl Line {
+    fn has(&self, role: Role) -> bool {
+        self.role.as_ref().is_some_and(|(of, _)| *of == role)
+    }
+
     /// Says what it is, and on which layer.
     pub fn named(&self) -> String {
         if self.layer.is_empty() {

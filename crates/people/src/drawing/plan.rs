@@ -60,20 +60,25 @@ const SINGULARS: [(&str, Role); 4] = [
 ];
 
 impl Role {
-    /// Returns the role that a layer's name says, in any case, and the rest of the name. Singular words are meant only
-    /// alone, or before a number: a layer of exit signs has no exits. What drawings in drawings put before a name is passed
-    /// over (`plan$0$exits-0`, `plan|exits-0`, `0 - exits-0`), and so is `jps-` of JuPedSim, all of whose layers have one.
+    /// Returns the role that the name of a layer of a CAD program says, as [`Role::of_name`]. What drawings in drawings put
+    /// before a name is passed over: `plan$0$exits-0`, `plan|exits-0`, and of numbers `0 - exits-0`.
     pub fn of(layer: &str) -> Option<(Role, String)> {
         const BEFORE: [&str; 6] = ["$", "|", "::", "/", "\\", " - "];
         let layer = layer.trim();
-        let ends = BEFORE.iter().flat_map(|sign| layer.match_indices(sign).map(|(at, sign)| at + sign.len()));
-        let mut begins: Vec<usize> = std::iter::once(0).chain(ends).collect();
+        let is_number = |before: &str| before.trim().bytes().all(|byte| byte.is_ascii_digit());
+        let ends = BEFORE.iter().flat_map(|sign| layer.match_indices(sign));
+        let ends = ends.filter(|(at, sign)| *sign != " - " || is_number(&layer[..*at]));
+        let mut begins: Vec<usize> =
+            std::iter::once(0).chain(ends.map(|(at, sign)| at + sign.len())).collect();
         begins.sort_unstable();
-        begins.into_iter().find_map(|begin| Role::of_own(layer[begin..].trim()))
+        begins.into_iter().find_map(|begin| Role::of_name(&layer[begin..]))
     }
 
-    /// The role of a name with nothing but JuPedSim's sign before it.
-    fn of_own(layer: &str) -> Option<(Role, String)> {
+    /// Returns the role that a name says, in any case, and the rest of the name. Singular words are meant only alone, or
+    /// before a number: a layer of exit signs has no exits. `jps-` of JuPedSim, all of whose layers have a role, may be
+    /// before it.
+    pub(super) fn of_name(layer: &str) -> Option<(Role, String)> {
+        let layer = layer.trim();
         // The longer ones as in example drawings of JuPedSim of 2023.
         let sign = ["jps-", "jps_", "jps ", "jupedsim_", "jupedsim-"]
             .into_iter()
@@ -194,9 +199,7 @@ pub struct Plan {
     pub origin: Vec2,
     /// What was left out: layer and kind, with the number of each.
     pub left_out: BTreeMap<(String, String), usize>,
-    /// Whether outlines and obstacles met, and what people can walk on was calculated.
-    pub united: bool,
-    /// \[m²\] What was calculated.
+    /// \[m²\] What people can walk on, of all areas, where outlines and obstacles met and it was calculated.
     pub ground: Option<f64>,
     /// What is drawn as ground, and lies within other ground.
     pub within: Vec<String>,
@@ -214,8 +217,7 @@ impl Plan {
         if let Some(how) = &settings.enclosing {
             (lines, mended) = proposal::taken(lines, &settings.walls, settings.close, how)?;
         }
-        let of_role: Vec<Option<(Role, String)>> = lines.iter().map(|line| Role::of(&line.layer)).collect();
-        let says = |role: Role| of_role.iter().flatten().any(|(of, _)| *of == role);
+        let says = |role: Role| lines.iter().any(|line| line.has(role));
         let named_areas = says(Role::WalkableArea) || says(Role::Obstacle);
         let has_areas = named_areas || lines.iter().any(|line| line.ground);
         let (mut walls, mut places) = (Vec::new(), BTreeMap::<Role, Vec<(String, Line)>>::new());
@@ -223,10 +225,11 @@ impl Plan {
             let kind = line.entity.split(" in line").next().unwrap_or("").split(" at ").next().unwrap_or("");
             *left_out.entry((line.layer.clone(), format!("{kind}{why}"))).or_default() += 1;
         };
-        for (line, role) in lines.into_iter().zip(of_role) {
-            match role {
+        for line in lines {
+            match &line.role {
                 Some((role @ (Role::Exit | Role::Distribution | Role::Waypoint), name)) => {
-                    places.entry(role).or_default().push((line.name.clone().unwrap_or(name), line));
+                    let (role, name) = (*role, line.name.as_ref().unwrap_or(name).clone());
+                    places.entry(role).or_default().push((name, line));
                 }
                 Some((Role::Unused, _)) => leave_out(&line, " (of JuPedSim, not used)"),
                 None if named_areas => leave_out(&line, " (layer without a meaning)"),
@@ -290,7 +293,6 @@ impl Plan {
             on_others,
             origin: Vec2::zeros(),
             left_out,
-            united: ground.is_some(),
             ground,
             within,
         };
@@ -369,7 +371,6 @@ impl Plan {
             on_others: 0,
             origin: Vec2::zeros(),
             left_out: BTreeMap::new(),
-            united: false,
             ground: None,
             within: Vec::new(),
         };

@@ -81,7 +81,7 @@ fn seen(lines: &[Line]) -> Result<(Sorted, Vec<Swing>)> {
 
 /// Lines of which no layer says what they are.
 fn asked(lines: &[Line]) -> impl Iterator<Item = (usize, &Line)> {
-    lines.iter().enumerate().filter(|(_, line)| Role::of(&line.layer).is_none())
+    lines.iter().enumerate().filter(|(_, line)| line.role.is_none())
 }
 
 fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Option<f64>) -> Result<Taken> {
@@ -143,9 +143,7 @@ fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Option<f64>) -
 }
 
 fn has_areas(lines: &[Line]) -> bool {
-    let is_area =
-        |line: &Line| matches!(Role::of(&line.layer), Some((Role::WalkableArea | Role::Obstacle, _)));
-    lines.iter().any(is_area)
+    lines.iter().any(|line| line.has(Role::WalkableArea) || line.has(Role::Obstacle))
 }
 
 /// Pieces of walls within the ground, but not in a passage: they are no rim, and stay as they are.
@@ -215,7 +213,7 @@ pub(super) fn taken(
     });
     let line = |corners: Vec<Vec2>, closed: bool| {
         let (layer, entity) = (layer.clone(), "a rim of the ground".to_owned());
-        Line { layer, name: None, entity, corners, closed, hole: false, ground: false }
+        Line { layer, role: None, name: None, entity, corners, closed, hole: false, ground: false }
     };
     let rim = |contour: &Contour| contour.iter().map(|corner| Vec2::from(*corner)).collect();
     lines.extend(ground.iter().map(|contour| line(rim(contour), true)));
