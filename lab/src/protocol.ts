@@ -216,9 +216,40 @@ export type Request =
     | { ask: "flow"; run: number; line: [Point, Point] }
     /** With x, y and squeeze of everybody in frames: they are added to the run's map, or to a new one. */
     | { ask: "map"; run: number; of: "density" | "squeeze"; fresh: boolean }
+    /** With squeezes in N of everybody in frames: not a number for who has left. */
+    | ({ ask: "limit" } & LimitWanted)
     | { ask: "sections"; run: number; altitude: number }
     | { ask: "bodies"; run: number }
     | { ask: "take"; run: number; wanted: Wanted };
+
+/** Frames more about a limit of the squeeze. */
+export interface LimitWanted {
+    /** From 0 to 3: of what is asked about. */
+    number: number;
+    people: number;
+    /** In s: of a communication step. */
+    step: number;
+    /** In N. */
+    limit: number;
+    /** In s: of means that are compared with it. */
+    over: number;
+    /** The first frame; 0 begins anew. */
+    from: number;
+}
+
+/** How long people were above a limit; null: the run is shorter than the means, or a step is longer. Times in s. */
+export interface Limit {
+    above: {
+        people: number;
+        /** Null: never. */
+        first: number | null;
+        who: number;
+        /** Without a break. */
+        longest: number;
+        /** Of all of them. */
+        time: number;
+    } | null;
+}
 
 /** How a drawing is understood. */
 export interface DrawingWanted {

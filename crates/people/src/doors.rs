@@ -151,13 +151,14 @@ impl Door {
         Door { at, width, open: Vec::new() }
     }
 
-    /// Makes a door of x, y and width \[m\] and the times \[s\] from and to which it is open; `None` if they are not
-    /// three numbers and such times.
+    /// Makes a door of x, y and width \[m\] and the times \[s\] from and to which it is open; without the last time it does
+    /// not close any more. `None` if they are not three numbers and such times.
     pub fn of_numbers(numbers: &[f64]) -> Option<Door> {
         let &[x, y, width, ref times @ ..] = numbers else { return None };
         let (open, rest) = times.as_chunks::<2>();
-        (rest.is_empty() && are_times(open))
-            .then(|| Door { open: open.to_vec(), ..Door::new(vec2(x, y), width) })
+        let last = rest.iter().map(|from| [*from, LATEST]);
+        let open: Vec<[f64; 2]> = open.iter().copied().chain(last).collect();
+        are_times(&open).then(|| Door { open, ..Door::new(vec2(x, y), width) })
     }
 
     /// Returns the times \[s\] at which people can leave behind it: those of the door, and a little longer for who has come

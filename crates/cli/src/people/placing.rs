@@ -44,7 +44,8 @@ pub struct PlacingArguments {
     regions: Vec<RegionArgument>,
     /// Cut a door into the nearest closed wall: a gap of this width, in m, whose middle is the wall's
     /// nearest point. People are placed before. A door in an obstacle is refused: nobody stands inside it.
-    /// Can be given several times. With times in s it is a door that opens and closes, as in 8,3,1,20,60
+    /// Can be given several times. With times in s it is a door that opens and closes, as in 8,3,1,20,60;
+    /// without the last time it stays open, as in 8,3,1,20
     #[arg(long = "door", value_name = "X,Y,WIDTH[,FROM,TO...]", value_parser = door, allow_hyphen_values = true)]
     pub doors: Vec<Door>,
     /// Packing algorithm. dense: our own, without overlap; paper: that of the paper's appendix D; grid:
