@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn a_tip_begins_with_the_letter_of_the_word() {
         for (word, tip) in [("--slope", None), ("--gemoetry", Some("--geometry")), ("--hights", None)] {
-            let said = read(["lemons", "crowd", word, "5"].map(OsString::from)).unwrap_err().to_string();
+            let said = read(["lemons", "crowd", word, "5"].map(OsString::from)).err().unwrap().to_string();
             assert!(said.contains(&format!("unexpected argument '{word}'")), "{said}");
             let tip = tip.map(|tip| format!("a similar argument exists: '{tip}'"));
             assert_eq!(said.contains("a similar argument"), tip.is_some(), "{said}");
