@@ -304,13 +304,15 @@ def test_layers_are_chosen_and_exits_left_out(page: Page) -> None:
 
 
 def architects_plan(thickness: float) -> bytes:
-    """A room of 10 m by 8 m whose walls are two lines, with a gap of 1 m at (10, 4) and a swing in it, and a table of 2 m²."""
+    """A room of 10 m by 8 m whose walls are two lines, with a gap of 1 m at (10, 4) and a swing in it, and a table of 2 m².
+    Without a thickness, walls are single lines without a swing."""
     t = thickness
     inner = [[10, 4.5], [10, 8], [0, 8], [0, 0], [10, 0], [10, 3.5]]
     outer = [[10 + t, 3.5], [10 + t, -t], [-t, -t], [-t, 8 + t], [10 + t, 8 + t], [10 + t, 4.5]]
     walls = [[*inner, *outer, inner[0]]] if t else [inner]
     arc = [[10 + t + math.sin(k * math.pi / 12), 3.5 + math.cos(k * math.pi / 12)] for k in range(7)]
-    lines = [("Wände", line) for line in walls] + [("Türen", arc), ("Türen", [[10 + t, 3.5], [11 + t, 3.5]])]
+    swing = [("Türen", arc), ("Türen", [[10 + t, 3.5], [11 + t, 3.5]])] if t else []
+    lines = [("Wände", line) for line in walls] + swing
     lines += [("Möbel", [[3, 3], [5, 3], [5, 4], [3, 4], [3, 3]]), ("Achsen", [[5, -3], [5, 11]])]
     feature = lambda layer, places: {"type": "Feature", "properties": {"layer": layer}, "geometry": {"type": "LineString", "coordinates": places}}
     return json.dumps({"type": "FeatureCollection", "features": [feature(*line) for line in lines]}).encode()

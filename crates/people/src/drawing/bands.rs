@@ -361,12 +361,14 @@ pub(super) fn enclose(
     let width = |quad: &[Vec2; 4]| ((quad[2] + quad[3] - quad[0] - quad[1]) * 0.5).norm();
     let (narrow, wide): (Vec<Opening>, Vec<Opening>) =
         openings.into_iter().partition(|opening| width(&opening.quad) <= widest + SNAP);
-    // A little into what they meet.
-    let longer = |a: Vec2, b: Vec2| [a, b + (b - a).unit(0.0).unwrap_or(vec2(0.0, 0.0)) * OVERLAP];
+    // A little into what they meet, but exactly through its corners.
+    let longer = |a: Vec2, b: Vec2| {
+        let beyond = b + (b - a).unit(0.0).unwrap_or(vec2(0.0, 0.0)) * OVERLAP;
+        [a, b, beyond].map(Into::into).to_vec()
+    };
     let closers =
         narrow.iter().flat_map(|Opening { quad: [a, b, c, d], .. }| [longer(*a, *d), longer(*b, *c)]);
-    let lines: Vec<Contour> =
-        mended.pieces.iter().map(line).chain(closers.map(|ends| ends.map(Into::into).to_vec())).collect();
+    let lines: Vec<Contour> = mended.pieces.iter().map(line).chain(closers).collect();
     let around = around(&mended.pieces);
     let mut parts: Vec<Part> = overlay::cut(&around, &lines)
         .into_iter()

@@ -1,5 +1,6 @@
 //! Plans as architects draw them, made from seeds, against areas and doors that are known by hand.
 
+use super::tests::METRES;
 use super::*;
 use crate::Door;
 use lemons_core::plane::vec2;
@@ -342,8 +343,6 @@ fn made(seed: u64) -> Known {
     known.dxf = plan.dxf();
     known
 }
-
-const METRES: Reading = Reading { unit: Some(1.0), deviation: DEVIATION };
 
 fn drawing(dxf: &str) -> Drawing {
     Drawing::read(Format::Dxf, dxf.as_bytes(), &Reading::default()).unwrap()

@@ -4,7 +4,7 @@ use super::*;
 use lemons_core::plane::{Ring, nearest_on_segment, vec2};
 use std::f64::consts::PI;
 
-const METRES: Reading = Reading { unit: Some(1.0), deviation: DEVIATION };
+pub(super) const METRES: Reading = Reading { unit: Some(1.0), deviation: DEVIATION };
 
 /// A DXF of entities: group codes and values, separated by spaces.
 fn dxf_of(header: &str, blocks: &str, entities: &str) -> String {
