@@ -28,6 +28,7 @@ const DOING: Record<Request["ask"], string> = {
     forces: "Forces are computed",
     flow: "People are counted",
     map: "The map is computed",
+    limit: "The time above a limit is counted",
     sections: "Bodies are cut",
     bodies: "Bodies are made",
     take: "The file is made",

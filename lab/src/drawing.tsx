@@ -1,13 +1,15 @@
 // A plan of another program: what was understood of it, with the options that matter, before it becomes a room.
 
 import { batch, effect, signal } from "@preact/signals";
+import { useState } from "preact/hooks";
 import { Refused } from "./client";
 import { isVector, setPicture } from "./backdrop";
 import { crowdFits, MOST, roomFits } from "./forms";
 import { Check, Choice, NumberField } from "./parts";
 import { FIRST_WISHES, shaped } from "./places";
 import { arrived, change, plan } from "./plan";
-import type { DrawingWanted, Motion, Understood } from "./protocol";
+import type { DrawingWanted, Door, Motion, Proposal, Understood } from "./protocol";
+import { distance } from "./roomshape";
 import { open } from "./scenes";
 import { attempt, bases, client, film } from "./session";
 import { Sketch } from "./sketch";
@@ -31,6 +33,8 @@ const drawing = signal<Drawing | null>(null);
 /** Whether exits of the plan become exits, and its people stand where it says. */
 const exits = signal(true);
 const region = signal(true);
+/** Whether the room is as it is drawn, though that is in doubt. */
+const asDrawn = signal(false);
 /** The base that is made of it. It is no longer shown when that is on the stage. */
 let making = "";
 
@@ -51,8 +55,9 @@ let answered: Drawing | null = null;
 export async function understand(given: Given, options: Partial<DrawingWanted> = {}) {
     const number = ++latest;
     const before = drawing.peek()?.given === given ? drawing.peek() : null;
-    const wanted: DrawingWanted = { name: given.file.name, unit: null, close: null, origin: false, walls: [], ...before?.wanted, ...options };
+    const wanted: DrawingWanted = { name: given.file.name, unit: null, close: null, origin: false, walls: [], enclosing: null, doors: [], ...before?.wanted, ...options };
     const now = { given, wanted, found: null, refused: "", asking: false };
+    if (!before) asDrawn.value = false;
     // The next option is changed beside this one, also before the answer.
     drawing.value = before && { ...before, wanted, asking: true };
     try {
@@ -78,7 +83,7 @@ effect(() => {
 });
 
 function make({ given, found }: Drawing) {
-    if (!found) return;
+    if (!found?.room) return;
     const { room, distributions, area } = found;
     if (!roomFits(room)) {
         throw new Error(`"${given.file.name}": this page takes up to ${MOST.walls} walls, each with up to ${MOST.outline} corners, and up to ${MOST.parts} doors; this room has more`);
@@ -128,7 +133,7 @@ export function DrawingPanel() {
                     {refused}
                 </p>
             )}
-            {found && <Sketch base={{ kind: "crowd", ...plan.value.crowd, room: found.room, region: (region.value && found.distributions[0]) || null }} exits={exits.value ? found.exits.map(({ corners }) => corners) : []} />}
+            {found?.room && (!found.doubt || asDrawn.value) && <Sketch base={{ kind: "crowd", ...plan.value.crowd, room: found.room, region: (region.value && found.distributions[0]) || null }} exits={exits.value ? found.exits.map(({ corners }) => corners) : []} />}
             {found && (
                 <table class="facts" aria-label="What was understood">
                     <tbody>
@@ -152,14 +157,15 @@ export function DrawingPanel() {
                     <Check label="Lower left corner at 0, 0" value={wanted.origin} onChange={(origin) => again({ origin })} />
                 </>
             )}
-            {found && found.layers.length > 1 && <Layers wanted={wanted} layers={found.layers} again={again} />}
+            {found?.proposal && <Proposals key={`${asking}`} wanted={wanted} found={found} proposal={found.proposal} again={again} />}
+            {found && !wanted.enclosing && found.layers.length > 1 && <Layers wanted={wanted} layers={found.layers} again={again} />}
             {found && found.exits.length > 0 && <Check label={`Take its exits (${found.exits.length})`} value={exits.value} onChange={(on) => (exits.value = on)} />}
             {found && found.distributions.length > 0 && <Check label="People stand where the plan says" value={region.value} onChange={(on) => (region.value = on)} />}
             {found && found.distributions.length > 1 && <p class="note">{`The plan has ${found.distributions.length} areas where people stand; the page takes the first one.`}</p>}
             {found && found.waypoints > 0 && <p class="note">Way-points of a plan are not used here.</p>}
             <div class="buttons">
-                {found && (
-                    <button type="button" class="main" disabled={asking} onClick={() => void attempt(async () => make(now))}>
+                {found?.room && (
+                    <button type="button" class="main" disabled={asking || (found.doubt !== null && !asDrawn.value)} onClick={() => void attempt(async () => make(now))}>
                         Make this room
                     </button>
                 )}
@@ -179,6 +185,104 @@ export function DrawingPanel() {
 function close() {
     latest += 1;
     drawing.value = null;
+}
+
+const USES = [
+    ["walls", "walls"],
+    ["obstacles", "obstacles"],
+    ["", "left out"],
+] as const;
+type Use = (typeof USES)[number][0];
+
+interface ProposalsProps {
+    wanted: DrawingWanted;
+    found: Understood;
+    proposal: Proposal;
+    again(options: Partial<DrawingWanted>): void;
+}
+
+/** What a plan seems to be, where it is in doubt: each part is taken or left before the room is made. */
+function Proposals({ wanted, found, proposal, again }: ProposalsProps) {
+    const taken = wanted.enclosing !== null;
+    const of = (name: string): Use => (proposal.walls.includes(name) ? "walls" : proposal.obstacles.includes(name) ? "obstacles" : "");
+    const [uses, setUses] = useState(() => new Map(proposal.layers.map(({ name }) => [name, of(name)])));
+    const isSame = (a: Door, b: Door) => distance(a.at, b.at) < 0.01;
+    const first = proposal.gaps.filter(({ kind, door, outside }) => (taken ? outside && wanted.doors.some((one) => isSame(one, door)) : kind === "door"));
+    const [doors, setDoors] = useState(() => first.map(({ door }) => door));
+    const layers = (use: Use) => proposal.layers.map(({ name }) => name).filter((name) => uses.get(name) === use);
+    const take = (now: Door[] = doors) => again({ walls: layers("walls"), enclosing: { obstacles: layers("obstacles"), widest: proposal.widest }, close: wanted.close ?? proposal.close, doors: now });
+    const [outline, ...obstacles] = proposal.ground;
+    return (
+        <fieldset>
+            <legend>Proposals</legend>
+            {found.doubt && (
+                <p role="alert" translate={false}>
+                    {found.doubt}
+                </p>
+            )}
+            {!taken && outline && <Sketch base={{ kind: "crowd", ...plan.value.crowd, room: { outline, obstacles, doors }, region: null }} />}
+            {!taken && <p class="note">The plan is in doubt: choose what its layers and gaps are.</p>}
+            {proposal.layers.map(({ name, sort, lines }) => (
+                <label class="field" key={name}>
+                    <span translate={false} title={`${sort}: ${lines}`}>
+                        {name || "—"} ({sort})
+                    </span>
+                    <select value={uses.get(name)} aria-label={`Layer "${name}"`} onChange={(event) => setUses(new Map(uses).set(name, event.currentTarget.value as Use))}>
+                        {USES.map(([key, words]) => (
+                            <option key={key} value={key}>
+                                {words}
+                            </option>
+                        ))}
+                    </select>
+                </label>
+            ))}
+            {proposal.gaps.map(({ kind, door, outside, said }) =>
+                outside ? (
+                    <label class="check" key={String(door.at)}>
+                        <input
+                            type="checkbox"
+                            checked={doors.some((one) => isSame(one, door))}
+                            onChange={({ currentTarget: { checked } }) => {
+                                const now = doors.filter((one) => !isSame(one, door)).concat(checked ? [door] : []);
+                                setDoors(now);
+                                if (taken) take(now);
+                            }}
+                        />
+                        <span translate={false}>
+                            {kind}: {said}
+                        </span>
+                    </label>
+                ) : (
+                    <p class="note" key={String(door.at)} translate={false}>
+                        {kind}: {said}
+                    </p>
+                ),
+            )}
+            {proposal.questions.length > 0 && (
+                <ul class="note" aria-label="Questions">
+                    {proposal.questions.map((question) => (
+                        <li key={question} translate={false}>
+                            {question}
+                        </li>
+                    ))}
+                </ul>
+            )}
+            <div class="buttons">
+                <button type="button" class={taken ? undefined : "main"} disabled={layers("walls").length === 0} onClick={() => take()}>
+                    Take what is chosen
+                </button>
+                <button
+                    type="button"
+                    onClick={() => {
+                        asDrawn.value = true;
+                        again({ enclosing: null, doors: [], walls: [], close: null });
+                    }}
+                >
+                    Take it as it is drawn
+                </button>
+            </div>
+        </fieldset>
+    );
 }
 
 /** Layers that are taken as walls: all of them at first. */

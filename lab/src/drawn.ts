@@ -1,8 +1,9 @@
 // Rooms while they are drawn, by a lab of the page's own: the mouse cannot wait until the worker has time, and a room must
-// be changed before the next key or click. An answer takes a fraction of a millisecond.
+// be changed before the next key or click. An answer takes a fraction of a millisecond. It also counts the time above a limit,
+// which is written with the frame that is shown.
 
 import { signal } from "@preact/signals";
-import type { Drawn, Outline, Point, Room, RoomEdit } from "./protocol";
+import type { Drawn, Limit, LimitWanted, Outline, Point, Room, RoomEdit } from "./protocol";
 import { problem } from "./session";
 import { answer, type Lab, load } from "./wasm";
 
@@ -21,6 +22,13 @@ export function ready() {
 function ask(room: Room, edit: RoomEdit | null, near: Point | null): Drawn {
     if (!lab.value) throw new Error("the lab is not loaded yet");
     const { value } = answer(lab.value, { ask: "room", room, edit, near });
+    if ("refused" in value) throw new Error(value.refused);
+    return value.ok;
+}
+
+/** Adds squeezes to what is known of a limit. */
+export function limit(wanted: LimitWanted, squeezes: Uint8Array<ArrayBuffer>): Limit {
+    const { value } = answer(lab.value!, { ask: "limit", ...wanted }, squeezes);
     if ("refused" in value) throw new Error(value.refused);
     return value.ok;
 }

@@ -13,18 +13,6 @@ export const BY_WALLS = 8;
 export const CURVES = ["speed", "squeeze", "greatest", "contacts", "left"] as const;
 export type Curve = (typeof CURVES)[number];
 
-/** How long people were above a limit of the squeeze. */
-export interface Above {
-    /** How many were above it, and how many frames of all of them. */
-    people: number;
-    frames: number;
-    /** The most frames in a row, and of whom. */
-    longest: number;
-    who: number;
-    /** The first frame in which somebody was; -1 if nobody ever was. */
-    first: number;
-}
-
 export class Frames {
     /** How many there are. */
     count = 0;
@@ -39,8 +27,6 @@ export class Frames {
     readonly #means: Float64Array;
     /** Sums over so many of the last frames, for the greatest mean of each frame. */
     #running = new Map<number, { sums: Float64Array; greatest: number[] }>();
-    /** What was found of a limit so far: the next frame, and of each agent the sum and the frames in a row. */
-    #above: { of: string; next: number; sums: Float64Array; row: Int32Array; ever: Uint8Array; found: Above } | null = null;
     /** The frame of these means, and how many before it they are over. */
     #meansOf: [number, number] = [-1, 0];
 
@@ -169,33 +155,15 @@ export class Frames {
         return Float32Array.from(this.#greatest(last));
     }
 
-    /** How long such means were above a limit in N, up to a frame. A mean over less, as at the start, does not count: it may
-     * be an impact. */
-    above(limit: number, last: number, to: number): Above {
+    /** Everybody's squeeze in frames, from one to before another: not a number for who has left. */
+    squeezes(from: number, to: number): Uint8Array<ArrayBuffer> {
         const { agents } = this;
-        const of = `${limit} ${last}`;
-        if (this.#above?.of !== of || this.#above.next > to + 1) {
-            const found = { people: 0, frames: 0, longest: 0, who: 0, first: -1 };
-            this.#above = { of, next: 0, sums: new Float64Array(agents), row: new Int32Array(agents), ever: new Uint8Array(agents), found };
+        const numbers = new Float64Array((to - from) * agents);
+        for (let k = from; k < to; k++) {
+            const frame = this.frame(k);
+            for (let a = 0; a < agents; a++) numbers[(k - from) * agents + a] = Number.isNaN(frame[COLUMNS * a]!) ? NaN : frame[COLUMNS * a + SQUEEZE]!;
         }
-        const state = this.#above;
-        const { sums, row, ever, found } = state;
-        for (; state.next <= to; state.next++) {
-            const k = state.next;
-            const gone = this.#gone(k, last);
-            const come = this.frame(k);
-            for (let a = 0; a < agents; a++) {
-                const at = COLUMNS * a + SQUEEZE;
-                sums[a]! += come[at]! - (gone ? gone[at]! : 0);
-                row[a] = k >= last && sums[a]! > limit * last && !Number.isNaN(come[COLUMNS * a]!) ? row[a]! + 1 : 0;
-                if (row[a] === 0) continue;
-                found.frames += 1;
-                if (found.first < 0) found.first = k;
-                if (!ever[a]) found.people += ever[a] = 1;
-                if (row[a]! > found.longest) [found.longest, found.who] = [row[a]!, a];
-            }
-        }
-        return found;
+        return new Uint8Array(numbers.buffer);
     }
 
     /** The frame that is in a mean of the last ones no more, when another one comes: the first one, without a step, is in no

@@ -1,47 +1,87 @@
 // Squeeze above a limit of the user's: how many people, how long, and from when.
 
 import type { ComponentChildren } from "preact";
+import { limit, ready } from "./drawn";
 import type { Film } from "./film";
 import { beat } from "./layout";
 import { brief, digits, Facts, NumberField } from "./parts";
 import { change, plan } from "./plan";
+import type { Limit as Told } from "./protocol";
+
+type Known = Told["above"];
 
 /** Frames of a mean over so many seconds. */
 export function framesOf({ scene }: Pick<Film, "scene">, seconds: number): number {
     return Math.max(1, Math.round(seconds / scene.step));
 }
 
+/** Bytes of squeezes that are sent at once. */
+const MOST_BYTES = 8e6;
+/** So many the lab knows at a time. */
+const NUMBERS = 4;
+let last = 0;
+
+/** What the lab knows of each run: the limit, and the frame that is next. */
+const known = new WeakMap<Film, { number: number; of: string; next: number; found: Known }>();
+
+/** How long people were above the limit up to a frame, as `lemons measure --above` has it. */
+function found(film: Film, to: number): Known {
+    const { force, seconds } = plan.value.limit;
+    const { frames, scene } = film;
+    const of = `${force} ${seconds}`;
+    const before = known.get(film);
+    const fresh = before?.of !== of || before.next > to + 1;
+    const state = { number: before?.number ?? last++ % NUMBERS, of, next: fresh ? 0 : before.next, found: fresh ? null : before.found };
+    known.set(film, state);
+    const most = Math.max(1, Math.floor(MOST_BYTES / (8 * Math.max(1, frames.agents))));
+    while (state.next <= to) {
+        const end = Math.min(to + 1, state.next + most);
+        const wanted = { number: state.number, people: frames.agents, step: scene.step, limit: force, over: seconds, from: state.next };
+        try {
+            state.found = limit(wanted, frames.squeezes(state.next, end)).above;
+            state.next = end;
+        } catch (error) {
+            // Another run may have had the number.
+            if (state.next === 0) throw error;
+            state.next = 0;
+        }
+    }
+    return state.found;
+}
+
 /** What is told of the limit, up to the last frame that was shown or asked for. */
 export function aboveLimit(film: Film): [string, ComponentChildren][] {
-    const { force, seconds } = plan.value.limit;
+    const { seconds } = plan.value.limit;
     const { step, agents } = film.scene;
-    const [span, to] = [framesOf(film, seconds), film.playing.value ? film.reached.peek() : film.reached.value];
-    const { people, frames, longest, who, first } = film.frames.above(force, span, to);
-    if (to < span) return [["Ever above the limit", `nothing yet: the run is shorter than ${seconds} s`]];
-    const rows: [string, ComponentChildren][] = [["Ever above the limit", people === 0 ? "nobody" : `${people} of ${agents.length}`]];
-    if (people === 0) return rows;
+    const to = film.playing.value ? film.reached.peek() : film.reached.value;
+    const name = "Ever above the limit";
+    if (!ready() || agents.length === 0) return [];
+    const seen = found(film, to);
+    if (!seen) return [[name, step > seconds ? `not known: a step is longer than ${seconds} s` : `nothing yet: the run is shorter than ${seconds} s`]];
+    const { people, first, longest, who, time } = seen;
+    if (first === null) return [[name, "nobody"]];
     return [
-        ...rows,
-        ["Above it at first", `at ${(first * step).toFixed(2)} s`],
+        [name, `${people} of ${agents.length}`],
+        ["Above it at first", `at ${first.toFixed(2)} s`],
         [
             "Longest without a break",
             <>
-                {`${digits(longest * step, 3)} s`} (<span translate={false}>{brief(agents[who]!.id)}</span>)
+                {`${digits(longest, 3)} s`} (<span translate={false}>{brief(agents[who]!.id)}</span>)
             </>,
         ],
-        ["All together", `${digits(frames * step, 3)} person-seconds`],
+        ["All together", `${digits(time, 3)} person-seconds`],
     ];
 }
 
 export function Limit({ film }: { film: Film }) {
     if (film.playing.value) beat.value;
-    const { limit } = plan.value;
+    const of = plan.value.limit;
     return (
         <>
             <h2>Squeeze above a limit</h2>
             <div class="row">
-                <NumberField label="Limit" unit="N" value={limit.force} min={1} max={1e6} step={10} onChange={(force) => change({ limit: { ...limit, force } })} />
-                <NumberField label="Limit, mean over" short="mean over" unit="s" value={limit.seconds} min={0.01} max={600} step={0.5} onChange={(seconds) => change({ limit: { ...limit, seconds } })} />
+                <NumberField label="Limit" unit="N" value={of.force} min={1} max={1e6} step={10} onChange={(force) => change({ limit: { ...of, force } })} />
+                <NumberField label="Limit, mean over" short="mean over" unit="s" value={of.seconds} min={0.01} max={600} step={0.5} onChange={(seconds) => change({ limit: { ...of, seconds } })} />
             </div>
             <Facts rows={aboveLimit(film)} />
             <p class="note">623 N is what men tolerated against a flat bar. No number here says who is hurt: About this scale, below the picture, says more.</p>

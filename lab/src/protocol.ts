@@ -1,6 +1,6 @@
 // What the page and the worker tell each other. Lengths in m, masses in kg, angles in rad, times in s.
 
-import type { OpenTime, Point, Room, RoomEdit } from "./roomtypes";
+import type { Door, OpenTime, Point, Room, RoomEdit } from "./roomtypes";
 
 export type * from "./roomtypes";
 
@@ -216,9 +216,40 @@ export type Request =
     | { ask: "flow"; run: number; line: [Point, Point] }
     /** With x, y and squeeze of everybody in frames: they are added to the run's map, or to a new one. */
     | { ask: "map"; run: number; of: "density" | "squeeze"; fresh: boolean }
+    /** With squeezes in N of everybody in frames: not a number for who has left. */
+    | ({ ask: "limit" } & LimitWanted)
     | { ask: "sections"; run: number; altitude: number }
     | { ask: "bodies"; run: number }
     | { ask: "take"; run: number; wanted: Wanted };
+
+/** Frames more about a limit of the squeeze. */
+export interface LimitWanted {
+    /** From 0 to 3: of what is asked about. */
+    number: number;
+    people: number;
+    /** In s: of a communication step. */
+    step: number;
+    /** In N. */
+    limit: number;
+    /** In s: of means that are compared with it. */
+    over: number;
+    /** The first frame; 0 begins anew. */
+    from: number;
+}
+
+/** How long people were above a limit; null: the run is shorter than the means, or a step is longer. Times in s. */
+export interface Limit {
+    above: {
+        people: number;
+        /** Null: never. */
+        first: number | null;
+        who: number;
+        /** Without a break. */
+        longest: number;
+        /** Of all of them. */
+        time: number;
+    } | null;
+}
 
 /** How a drawing is understood. */
 export interface DrawingWanted {
@@ -231,11 +262,33 @@ export interface DrawingWanted {
     origin: boolean;
     /** Layers; none: all. */
     walls: string[];
+    /** The room is what walls enclose; layers of obstacles, and in m the widest gap that is closed. */
+    enclosing: { obstacles: string[]; widest: number } | null;
+    /** Further doors. */
+    doors: Door[];
+}
+
+/** What a drawing seems to be. */
+export interface Proposal {
+    layers: { name: string; sort: string; lines: number }[];
+    walls: string[];
+    obstacles: string[];
+    /** In m. */
+    widest: number;
+    /** In m; null: there are no small gaps. */
+    close: number | null;
+    /** In m²: within walls, and without obstacles. */
+    areas: [number, number];
+    /** Its rim, then holes; none: nothing is enclosed. */
+    ground: Point[][];
+    gaps: { kind: string; door: Door; outside: boolean; said: string }[];
+    questions: string[];
 }
 
 /** What is in a drawing. */
 export interface Understood {
-    room: Room;
+    /** Null: no wall is closed, but there are proposals. */
+    room: Room | null;
     exits: { name: string; corners: Point[] }[];
     /** Where people stand. */
     distributions: Point[][];
@@ -246,6 +299,9 @@ export interface Understood {
     said: [string, string][];
     /** Those of which some can be chosen as walls. */
     layers: string[];
+    /** Why its outline may not be the room. */
+    doubt: string | null;
+    proposal: Proposal | null;
 }
 
 export interface Measure {

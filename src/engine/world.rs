@@ -13,7 +13,7 @@ use super::{
     Body, BodyId, DiskId, Exposure, FaceExposure, InPlane, Pair, Scene, Shortlisting, State, Threads,
     ThreadsError, Vec2, WallId, Work, Wrench,
 };
-use lemons_core::plane::hull_meets;
+use lemons_core::plane::body_meets;
 use thiserror::Error;
 
 /// Largest number of mechanical steps that is counted.
@@ -213,8 +213,7 @@ impl World {
             }
             let disk = |d: usize| (scene.centre(DiskId::from(d), poses), part * scene.disks[d].radius);
             let disks: Vec<(Vec2, f64)> = body.disks.clone().map(disk).collect();
-            let touches = disks.iter().any(|&(centre, radius)| near(centre, radius));
-            touches || faces.iter().any(|face| hull_meets(&disks, face.start, face.end))
+            faces.iter().any(|face| body_meets(&disks, face.start, face.end))
         };
         !scene.bodies.iter().enumerate().any(is_in)
     }

@@ -51,7 +51,7 @@ fn one_life(fmu: &Fmu, version: Version) {
     crowd.steps(0, 2);
     let bytes = crowd.bytes();
     crowd.must(crowd.restore(&bytes));
-    crowd.refused(crowd.set("agent[0].Fp.x", f64::NAN));
+    crowd.discarded(crowd.set("agent[0].Fp.x", f64::NAN));
     crowd.must(crowd.terminate());
 }
 
@@ -170,7 +170,7 @@ fn the_library_may_be_unloaded_right_after() {
         crowd.steps(0, 4);
         let bytes = crowd.bytes();
         crowd.must(crowd.restore(&bytes));
-        crowd.refused(crowd.set("agent[0].Fp.x", f64::NAN));
+        crowd.discarded(crowd.set("agent[0].Fp.x", f64::NAN));
         assert!(instantiate(&fmu, V2, "{}", "").is_err());
         let crowd = start_large(&fmu, 4);
         crowd.must(crowd.try_step(0.0, 5e-5));

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from crowd import TRIAL_DOOR, refused
 from fmpy import read_model_description
+from fmpy.fmi2 import fmi2Discard
 from fmpy.validation import validate_fmu
 
 DRIVE = ["Fp.x", "Fp.y", "Mp"]
@@ -78,7 +79,7 @@ def test_waypoints_one_after_the_other(decision):
 
 @pytest.mark.parametrize("name", ["Mass", "MomentOfInertia", "FloorDamping", "AngularDamping", "DesiredSpeed"])
 def test_parameters(decision, name):
-    with refused(decision, f"agent[3].{name}", "-1"):
+    with refused(decision, f"agent[3].{name}", "-1", status=fmi2Discard):
         decision[f"agent[3].{name}"] = -1.0
     decision[f"agent[3].{name}"] = 2.0
     decision.initialize()

@@ -259,6 +259,21 @@ def test_damaged_hdf5_is_refused_in_words(corridor, tmp_path):
     refused(elsewhere, "its rows are in other files")
     refused(lambda file: file.__setitem__("trajectory", h5py.ExternalLink(str(good), "trajectory")), "there is no dataset")
 
+    def linked(file, to):
+        put(file, rows)
+        file.move("trajectory", "data")
+        file["other"] = h5py.ExternalLink(str(good), "trajectory")
+        file["trajectory"] = h5py.SoftLink(to)
+
+    for to in ("/other", "trajectory", "/none", "/data/none"):
+        refused(lambda file, to=to: linked(file, to), "there is no dataset")
+    with h5py.File("linked.h5", "w") as file:
+        linked(file, "/data")
+    with h5py.File("plain.h5", "w") as file:
+        put(file, rows)
+    one, other = ({**measure(name).summary, "source": None} for name in ("linked.h5", "plain.h5"))
+    assert one == other and one["people"] == 1
+
     def text(file):
         put(file, rows)
         kind = h5py.string_dtype()

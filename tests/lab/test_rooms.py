@@ -303,6 +303,60 @@ def test_layers_are_chosen_and_exits_left_out(page: Page) -> None:
     assert kept["crowd"]["room"] == {"outline": [[0, 9], [6, 9], [6, 3], [0, 3]], "obstacles": [], "doors": []}
 
 
+def architects_plan(thickness: float) -> bytes:
+    """A room of 10 m by 8 m whose walls are two lines, with a gap of 1 m at (10, 4) and a swing in it, and a table of 2 m²."""
+    t = thickness
+    inner = [[10, 4.5], [10, 8], [0, 8], [0, 0], [10, 0], [10, 3.5]]
+    outer = [[10 + t, 3.5], [10 + t, -t], [-t, -t], [-t, 8 + t], [10 + t, 8 + t], [10 + t, 4.5]]
+    walls = [[*inner, *outer, inner[0]]] if t else [inner]
+    arc = [[10 + t + math.sin(k * math.pi / 12), 3.5 + math.cos(k * math.pi / 12)] for k in range(7)]
+    lines = [("Wände", line) for line in walls] + [("Türen", arc), ("Türen", [[10 + t, 3.5], [11 + t, 3.5]])]
+    lines += [("Möbel", [[3, 3], [5, 3], [5, 4], [3, 4], [3, 3]]), ("Achsen", [[5, -3], [5, 11]])]
+    feature = lambda layer, places: {"type": "Feature", "properties": {"layer": layer}, "geometry": {"type": "LineString", "coordinates": places}}
+    return json.dumps({"type": "FeatureCollection", "features": [feature(*line) for line in lines]}).encode()
+
+
+@pytest.mark.parametrize("thickness", [0.24, 0.0])
+def test_where_the_outline_is_in_doubt_the_page_asks(page: Page, thickness: float) -> None:
+    before = plan(page)["crowd"]
+    make = page.get_by_role("button", name="Make this room", exact=True)
+    understood = page.get_by_role("table", name="What was understood")
+    give(page, "plan.geojson", architects_plan(thickness))
+    expect(page.get_by_role("group", name="Proposals")).to_contain_text("the outline, wall")
+    expect(make).to_be_disabled()
+    expect(page.get_by_label('Layer "Wände"')).to_have_value("walls")
+    expect(page.get_by_label('Layer "Möbel"')).to_have_value("obstacles")
+    expect(page.get_by_label('Layer "Achsen"')).to_have_value("")
+    door = page.get_by_role("checkbox", name="door: 1 m wide at 10,4,")
+    expect(door).to_be_checked()
+    assert plan(page)["crowd"] == before
+    # What is left is not taken.
+    page.get_by_label('Layer "Möbel"').select_option("")
+    page.get_by_role("button", name="Take what is chosen").click()
+    expect(understood).to_contain_text("80.000 m² within the outline")
+    page.get_by_label('Layer "Möbel"').select_option("obstacles")
+    page.get_by_role("button", name="Take what is chosen").click()
+    expect(understood).to_contain_text("78.000 m² within the outline")
+    door.uncheck()
+    expect(page.get_by_text("Take its exits")).to_have_count(0)
+    door.check()
+    expect(page.get_by_text("Take its exits (1)")).to_be_visible()
+    make.click()
+    expect(page.get_by_text("people placed in")).to_be_visible()
+    kept = plan(page)
+    room, (way_out,) = kept["crowd"]["room"], kept["made"]["motion"]["wishes"]["exits"]
+    assert sorted(room["outline"]) == [[0, 0], [0, 8], [10, 0], [10, 8]] and len(room["obstacles"]) == 1
+    assert room["doors"] == [{"at": [10, 4], "width": 1}] and {x for x, _ in way_out["line"]} == {11}
+
+
+def test_a_plan_in_doubt_is_taken_as_it_is_drawn_if_somebody_says_so(page: Page) -> None:
+    make = page.get_by_role("button", name="Make this room", exact=True)
+    give(page, "plan.geojson", architects_plan(0.24))
+    expect(make).to_be_disabled()
+    page.get_by_role("button", name="Take it as it is drawn").click()
+    expect(make).to_be_enabled()
+
+
 def test_an_area_with_too_many_corners_is_refused_before_the_scene_is_opened(page: Page) -> None:
     name = page.get_by_role("textbox", name="Name of the scene")
     before = name.input_value()

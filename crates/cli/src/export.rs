@@ -9,15 +9,13 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use crowd_mechanics::setup;
 use lemons_core::files::input;
-use lemons_core::plane::Polygon;
 use lemons_core::trial::{Trial, Wall};
 use lemons_decision::{DECISION_FILE, DecisionConfig, Person, Plan};
 use lemons_master::{FileType, Fmu, TrialInput};
 use lemons_people::drawing::{self, write_plan};
-use lemons_results::measure::Room;
 use lemons_results::{
-    Area, LEANING, Record, VELOCITY_OVER, chaos, chaos_files, given_area, jupedsim, measured_area, pedpy,
-    series, series_files, trial_at_end, walkable_area,
+    Area, Record, VELOCITY_OVER, chaos, chaos_files, given_area, given_area_of_heads, jupedsim,
+    measured_area, pedpy, series, series_files, trial_at_end, walkable_area,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -402,12 +400,7 @@ pub fn area_of_heads(run: &Record, given: (&str, Option<&Path>), walls: &[Wall])
     let (option, Some(path)) = given else { return Ok(measured_area(walls, &positions)) };
     let named = || format!("{option} {}", path.display());
     let text = input::read_text(path, LARGEST_AREA).with_context(named)?;
-    let whole = Room::of(&Polygon::from_wkt(&text).map_err(|wrong| anyhow!("{}: {wrong}", named()))?);
-    let upright = positions.iter().copied().filter(|position| {
-        let (_, off) = whole.nearest(*position);
-        off == 0.0 || off > LEANING
-    });
-    Ok(Some(given_area(&text, upright).map_err(|wrong| anyhow!("{}: {wrong}", named()))?))
+    Ok(Some(given_area_of_heads(&text, &positions).map_err(|wrong| anyhow!("{}: {wrong}", named()))?))
 }
 
 /// Claims files before one of them is written.

@@ -37,6 +37,7 @@ mod verify;
 mod version;
 
 use anyhow::Result;
+use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use error::{TrialHasErrors, full_message};
 use interrupt::{EXIT_CODE, Interrupted};
@@ -153,10 +154,26 @@ fn command() -> Result<()> {
 /// Help was asked for, or a word is wrong; within: an output is an input.
 fn read(words: impl IntoIterator<Item = OsString>) -> Result<Result<Command>, clap::Error> {
     let mut all = definition();
-    let matches = all.try_get_matches_from_mut(words)?;
+    let matches = all.try_get_matches_from_mut(words).map_err(without_far_tip)?;
     let command = Arguments::from_arg_matches(&matches)?.command;
     let named = matches.subcommand().and_then(|(name, own)| Some((all.find_subcommand(name)?, own)));
     Ok(named.map_or(Ok(()), |(command, own)| files::begin(command, own)).map(|()| command))
+}
+
+/// Takes away the tip that a word is another one misspelt, if it begins with another letter: `--slope` is not `--close`.
+fn without_far_tip(mut error: clap::Error) -> clap::Error {
+    let first = |kind| match error.get(kind) {
+        Some(ContextValue::String(word)) => word.trim_start_matches('-').chars().next(),
+        Some(ContextValue::Strings(words)) => words.first()?.trim_start_matches('-').chars().next(),
+        _ => None,
+    };
+    let tip = first(ContextKind::SuggestedArg);
+    if tip.is_some() && tip != first(ContextKind::InvalidArg) {
+        error.remove(ContextKind::SuggestedArg);
+        // It is that of the option.
+        error.remove(ContextKind::Usage);
+    }
+    error
 }
 
 fn execute(command: Command) -> Result<()> {
@@ -204,6 +221,17 @@ mod tests {
             for line in lines.lines() {
                 assert!(line.len() <= 78, "{line}");
             }
+        }
+    }
+
+    #[test]
+    fn a_tip_begins_with_the_letter_of_the_word() {
+        for (word, tip) in [("--slope", None), ("--gemoetry", Some("--geometry")), ("--hights", None)] {
+            let said = read(["lemons", "crowd", word, "5"].map(OsString::from)).unwrap_err().to_string();
+            assert!(said.contains(&format!("unexpected argument '{word}'")), "{said}");
+            let tip = tip.map(|tip| format!("a similar argument exists: '{tip}'"));
+            assert_eq!(said.contains("a similar argument"), tip.is_some(), "{said}");
+            assert!(tip.is_none_or(|tip| said.contains(&tip)) && !said.contains("--close"), "{said}");
         }
     }
 

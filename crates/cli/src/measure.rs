@@ -7,7 +7,6 @@ mod summary;
 mod tables;
 mod text;
 
-use crate::check::walking::flat_push;
 use crate::error::{Misused, and_then};
 use crate::export::{area, area_of_heads};
 use crate::files::{self, Force};
@@ -21,6 +20,7 @@ use crate::run::{Until, until};
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::quantities::segments;
 use lemons_core::trial::Trial;
+use lemons_decision::Plan;
 use lemons_results::measure::{Line, MeasuringArea, Room};
 use lemons_results::{LEANING, Record};
 use options::{Named, line, measuring_area, name_all};
@@ -95,8 +95,8 @@ const STIFF: f64 = 1e5;
 const MOST_WINDOWS: f64 = 1e6;
 
 pub fn measure(mut arguments: Arguments) -> Result<()> {
-    let Measured { summary, caveats, .. } = measured(&mut arguments)?;
-    text::print(&summary, &caveats)?;
+    let Measured { summary, .. } = measured(&mut arguments)?;
+    text::print(&summary)?;
     for path in arguments.output.iter().chain(&arguments.plot) {
         say!("{:<18} {}", "written", path.display())?;
     }
@@ -106,8 +106,6 @@ pub fn measure(mut arguments: Arguments) -> Result<()> {
 /// What was measured.
 pub struct Measured {
     summary: Summary,
-    /// What its squeezes can mean.
-    caveats: Vec<String>,
     /// The same as JSON.
     pub json: String,
     /// CSV, by the names of the tables.
@@ -148,8 +146,10 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
     if arguments.walls && seen.walls.as_ref().is_none_or(|walls| walls.len() != pieces.len()) {
         bail!("--walls: {}: the results do not contain the forces on walls", source.path.display());
     }
-    let summary = Summary::of(arguments, &record, pieces, &seen);
-    let caveats = if summary.exposure.is_some() { arguments.caveats(trial.as_ref()) } else { Vec::new() };
+    let mut summary = Summary::of(arguments, &record, pieces, &seen);
+    if summary.exposure.is_some() {
+        summary.notes = arguments.caveats(trial.as_ref());
+    }
     let json = serde_json::to_string_pretty(&summary)? + "\n";
     let tables = tables::of(arguments, record.ids(), &summary, &seen)?;
     if let Some(directory) = output {
@@ -169,7 +169,7 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
     });
     let written: Vec<Output> = written.collect::<Result<_>>()?;
     written.into_iter().map(Output::persist).fold(Ok(()), and_then)?;
-    Ok(Measured { summary, caveats, json, tables })
+    Ok(Measured { summary, json, tables })
 }
 
 impl Arguments {
@@ -205,8 +205,8 @@ impl Arguments {
                 material.id
             )
         });
-        let flat = self.source.plan(trial).as_ref().and_then(flat_push);
-        stiff.into_iter().chain(flat.map(|text| format!("push: {text}"))).collect()
+        let flat = self.source.plan(trial).as_ref().and_then(Plan::flat_push);
+        stiff.into_iter().chain(flat.map(str::to_owned)).collect()
     }
 
     /// Returns where people can be; `None` if no walls or polygon say it of measured people.

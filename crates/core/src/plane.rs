@@ -18,7 +18,7 @@ mod wkt;
 
 pub use bounds::Bounds;
 pub use ground::{ground, parts};
-pub use hull::{convex_hull, hull_meets};
+pub use hull::{body_meets, convex_hull, hull_meets};
 pub use polygon::Polygon;
 pub use pose::{Motion, Pose, Twist, shown_orientation};
 pub use ring::{Foot, Ring, nearest_on_line};

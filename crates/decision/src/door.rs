@@ -2,7 +2,7 @@
 
 use crate::rule::Pose;
 use crate::target::share_before_closed;
-use lemons_core::plane::{Vec2, hull_meets, nearest_on_segment, rotation, vec2};
+use lemons_core::plane::{Vec2, body_meets, nearest_on_segment, rotation, vec2};
 use lemons_core::trial::is_open;
 use serde::{Deserialize, Serialize};
 
@@ -46,17 +46,22 @@ impl Door {
     /// walks on.
     pub(crate) fn share(&self, pose: Pose, disks: &[[f64; 3]]) -> f64 {
         let (at, turned) = (vec2(pose.x, pose.y), rotation(pose.theta));
-        let disks = disks.iter().map(|&[x, y, radius]| (at + turned * vec2(x, y), radius));
-        let disks: Vec<(Vec2, f64)> = disks.collect();
         let far = |place: Vec2| {
             let all = self.sides().map(|[a, b]| (nearest_on_segment(a, b, place) - place).norm());
             all.fold(f64::INFINITY, f64::min)
         };
+        let before = share_before_closed(far(at));
+        let reach = disks.iter().map(|&[x, y, radius]| vec2(x, y).norm() + radius).fold(0.0, f64::max);
+        if far(at) > reach {
+            return before;
+        }
+        let disks = disks.iter().map(|&[x, y, radius]| (at + turned * vec2(x, y), radius));
+        let disks: Vec<(Vec2, f64)> = disks.collect();
+        if !self.sides().any(|[a, b]| body_meets(&disks, a, b)) {
+            return before;
+        }
         let depths = disks.iter().map(|&(centre, radius)| radius - far(centre));
         let overlap = depths.fold(f64::NEG_INFINITY, f64::max);
-        if overlap > 0.0 {
-            return (overlap / IN_IT).clamp(OUT_OF_IT, 1.0);
-        }
-        if self.sides().any(|[a, b]| hull_meets(&disks, a, b)) { 1.0 } else { share_before_closed(far(at)) }
+        if overlap > 0.0 { (overlap / IN_IT).clamp(OUT_OF_IT, 1.0) } else { 1.0 }
     }
 }

@@ -11,7 +11,8 @@
 //! Seyfried, Holl, Adv. Complex Syst. 15 (2012) 1250029.
 //!
 //! If the exit is closed at times, the queue gets shorter only while it is open, and who is there waits until it is
-//! ([`passed`]). So it is at each door on the way that opens and closes; the later one counts. A person may prefer an exit: its time is multiplied by a factor.
+//! ([`passed`]). So it is at each door on the way that opens and closes, one after the other: who waits at one comes
+//! later to the next. A person may prefer an exit: its time is multiplied by a factor.
 //!
 //! At first everybody has the nearest exit. Each reconsiders once a second, one after the other, and changes only if the
 //! gain is clear.
@@ -97,10 +98,25 @@ pub struct Offer<'a> {
     pub width: f64,
     /// See [`crate::target::Target`].
     pub open: &'a [[f64; 2]],
-    /// Doors on the way: when each is open \[s\], and how far it is from there \[m\].
+    /// Doors on the way, in its order: when each is open \[s\], and how far it is from there \[m\].
     pub doors: &'a [(&'a [[f64; 2]], f64)],
     /// See [`crate::target::Target`].
     pub time_factor: f64,
+}
+
+impl Offer<'_> {
+    /// \[s\] Returns after how long somebody is through it, by the doors on the way in their order, who walks at a `speed`
+    /// \[m/s\], and before whom people leave for `service` \[s\], if it is `now` \[s\]. Infinite if a door or the exit
+    /// closes before, for ever.
+    pub fn time(&self, speed: f64, now: f64, service: f64) -> f64 {
+        let on_foot = |way: f64| if way > 0.0 { way / speed } else { 0.0 };
+        let (mut at, mut left) = (0.0, self.distance);
+        for &(open, far) in self.doors {
+            at = passed(open, now, at + on_foot(left - far), service);
+            left = left.min(far);
+        }
+        passed(self.open, now, at + on_foot(left), service)
+    }
 }
 
 /// Distances \[m\] to each target of those who head for it, sorted.
@@ -120,17 +136,12 @@ impl Queues {
         self.0[target].partition_point(|other| *other < distance)
     }
 
-    /// Returns the target to which somebody changes, if it is clearly the quickest of these. `own` is the present one, `speed`
-    /// \[m/s\] the desired speed, and it is `now` \[s\].
+    /// Returns the target to which somebody changes, if it is clearly the quickest of these. `own` is the present one,
+    /// `speed` \[m/s\] the desired speed, and it is `now` \[s\].
     pub fn change(&mut self, own: usize, speed: f64, now: f64, offers: &[Offer<'_>]) -> Option<usize> {
         let time = |offer: &Offer<'_>| {
-            let &Offer { target, distance, width, open, doors, time_factor } = offer;
-            let service = self.ahead(target, distance) as f64 / (FLOW * width);
-            let by_door = |&(open, far): &(_, f64)| {
-                passed(open, now, (distance - far).max(0.0) / speed, service) + far / speed
-            };
-            let at_exit = passed(open, now, distance / speed, service);
-            time_factor * doors.iter().map(by_door).fold(at_exit, f64::max)
+            let service = self.ahead(offer.target, offer.distance) as f64 / (FLOW * offer.width);
+            offer.time_factor * offer.time(speed, now, service)
         };
         let present = offers.iter().find(|offer| offer.target == own)?;
         let best = offers.iter().min_by(|a, b| time(a).total_cmp(&time(b)))?;
@@ -223,5 +234,35 @@ mod tests {
         let shuts =
             |at: f64| change(1.0, Offer { open: &[[0.0, 60.0]], doors: &[(&[[0.0, at]], 0.67)], ..own });
         assert_eq!((shuts(7.0), shuts(6.3)), (Some(1), None));
+    }
+
+    /// The outside: sums by hand. At 1 m/s it is 3 m to a door, 4 m more to the next one, and 2 m more to the exit.
+    #[test]
+    fn who_waits_at_a_door_comes_later_to_the_next() {
+        let time = |first: [f64; 2], second: [f64; 2], exit: [f64; 2], service: f64| {
+            let offer = Offer {
+                target: 0,
+                distance: 9.0,
+                width: 1.0,
+                open: &[exit],
+                doors: &[(&[first], 6.0), (&[second], 2.0)],
+                time_factor: 1.0,
+            };
+            offer.time(1.0, 10.0, service)
+        };
+        let always = [0.0, 100.0];
+        assert_eq!(time(always, always, always, 0.0), 9.0);
+        // The first opens at 40 s, so that the second is reached 34 s from now.
+        assert_eq!(time([40.0, 70.0], always, always, 0.0), 36.0);
+        assert_eq!(time([40.0, 70.0], [0.0, 43.9], always, 0.0), f64::INFINITY);
+        assert_eq!(time([40.0, 70.0], [0.0, 44.1], [50.0, 60.0], 0.0), 40.0);
+        assert_eq!(time([40.0, 70.0], always, [0.0, 45.9], 0.0), f64::INFINITY);
+        // Behind a queue of 5 s before the first; nobody who stands gets anywhere.
+        assert_eq!(time([40.0, 70.0], always, always, 5.0), 41.0);
+        let own = Offer { target: 0, distance: 9.0, width: 1.0, open: &[], doors: &[], time_factor: 1.0 };
+        assert_eq!(
+            (own.time(0.0, 0.0, 0.0), Offer { distance: 0.0, ..own }.time(0.0, 0.0, 0.0)),
+            (f64::INFINITY, 0.0)
+        );
     }
 }

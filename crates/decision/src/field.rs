@@ -32,6 +32,8 @@ const MARGIN: f64 = 1.0;
 const WIDE: f64 = 3.0;
 /// Sine of the smallest angle between the way and the direction to a wall beside it: about 49°.
 const BESIDE: f64 = 0.75;
+/// Steps from a line, or the side of an area, within which the way leads straight to it.
+pub(crate) const LAST: f64 = 1.5;
 /// Parts of a step by which the grid is shifted: nodes do not lie on walls with round coordinates.
 const SHIFT: Vec2 = vec2(0.382, 0.417);
 
@@ -71,6 +73,17 @@ pub struct Gates {
 }
 
 const NO_GATE: u32 = u32::MAX;
+
+/// \[m\] Who arrives so near to a door is at it: rounding.
+const AT_DOOR: f64 = 1e-6;
+
+/// Doors of straight pieces.
+#[derive(Debug, Clone, Default)]
+pub struct Doors {
+    all: Vec<Vec<[Vec2; 2]>>,
+    /// Pieces in or near the square to the upper right of a node.
+    beside: HashMap<usize, Vec<[Vec2; 2]>>,
+}
 
 impl Grid {
     /// Makes a grid that contains these places and walls, given as polylines.
@@ -149,12 +162,29 @@ impl Grid {
                     self.links[other] &= !bits[1];
                 }
             }
-            let middle = at + vec2(0.5 * self.step, 0.5 * self.step);
-            if (nearest_on_segment(from, to, middle) - middle).norm() < 0.75 * self.step {
+            if self.is_beside(node, [from, to]) {
                 self.beside.entry(node).or_default().push(k as u32);
                 self.links[node] |= FACES;
             }
         }
+    }
+
+    /// Returns whether a piece is in or near the square to the upper right of a node.
+    fn is_beside(&self, node: usize, [from, to]: [Vec2; 2]) -> bool {
+        let middle = self.place(node) + vec2(0.5 * self.step, 0.5 * self.step);
+        (nearest_on_segment(from, to, middle) - middle).norm() < 0.75 * self.step
+    }
+
+    /// Finds where these doors are on the grid.
+    pub fn doors(&self, all: Vec<Vec<[Vec2; 2]>>) -> Doors {
+        let mut beside: HashMap<usize, Vec<[Vec2; 2]>> = HashMap::new();
+        for &piece in all.iter().flatten() {
+            let around = Bounds::of(piece).expect("two points").grown(self.step);
+            for node in self.nodes_in(around).filter(|node| self.is_beside(*node, piece)) {
+                beside.entry(node).or_default().push(piece);
+            }
+        }
+        Doors { all, beside }
     }
 
     /// \[m\] Returns the distance of two nodes.
@@ -224,12 +254,12 @@ impl Grid {
         };
         let sides = areas.iter().flat_map(|ring| ring.sides().map(|(a, b)| [a, b]));
         for [from, to] in lines.iter().copied().chain(sides) {
-            let around = Bounds::of([from, to]).expect("two points").grown(1.5 * self.step);
+            let around = Bounds::of([from, to]).expect("two points").grown(LAST * self.step);
             for node in self.nodes_in(around) {
                 let at = self.place(node);
                 let nearest = nearest_on_segment(from, to, at);
                 let distance = (nearest - at).norm();
-                if distance < 1.5 * self.step && self.sees(at, nearest) {
+                if distance < LAST * self.step && self.sees(at, nearest) {
                     begin(node, distance);
                 }
             }
@@ -291,8 +321,8 @@ impl Grid {
         }
     }
 
-    /// Returns how far it is from a place \[m\]: the mean of the nodes around it that are on the same side of all walls. Beside
-    /// walls, metres count more. Infinite where no way leads from, and outside of the grid.
+    /// Returns how far it is from a place \[m\]: the mean of the nodes around it that are on the same side of all walls.
+    /// Beside walls, metres count more. Infinite where no way leads from, and outside of the grid.
     pub fn distance(&self, field: &[f64], at: Vec2) -> f64 {
         mean_of(field, self.around(at))
     }
@@ -336,22 +366,28 @@ impl Grid {
         lower.min_by(|a, b| field[*a].total_cmp(&field[*b]))
     }
 
-    /// Finds which of some doors, each of straight pieces, the ways down a field lead through.
-    pub fn gates(&self, field: &[f64], doors: &[Vec<[Vec2; 2]>]) -> Gates {
+    /// Finds which of some doors the ways down a field lead through. `end` gives where the way from a place ends: the nearest
+    /// point of what the field leads to.
+    pub fn gates(&self, field: &[f64], doors: &Doors, end: impl Fn(Vec2) -> Vec2) -> Gates {
+        // Nodes are on either side of a target, or on it: the last step is no way between two of them.
+        let last = |node: usize, a: Vec2, b: Vec2| {
+            let (at, end) = (self.place(node), end(self.place(node)));
+            segments_touch(at, end, a, b) || (nearest_on_segment(a, b, end) - end).norm() < AT_DOOR
+        };
         let mut crossed: HashMap<usize, u32> = HashMap::new();
-        for (k, door) in doors.iter().enumerate() {
+        for (k, door) in doors.all.iter().enumerate() {
             for &[a, b] in door {
-                let around = Bounds::of([a, b]).expect("two points").grown(self.step);
+                let around = Bounds::of([a, b]).expect("two points").grown(LAST * self.step);
                 for node in self.nodes_in(around) {
-                    let next = self.next(field, node).map(|next| self.place(next));
-                    if next.is_some_and(|next| segments_touch(self.place(node), next, a, b)) {
+                    let touches = |next| segments_touch(self.place(node), self.place(next), a, b);
+                    if self.next(field, node).map_or_else(|| last(node, a, b), touches) {
                         crossed.entry(node).or_insert(k as u32);
                     }
                 }
             }
         }
         let mut gates =
-            Gates { first: vec![NO_GATE; field.len()], all: vec![(f64::INFINITY, NO_GATE); doors.len()] };
+            Gates { first: vec![NO_GATE; field.len()], all: vec![(f64::INFINITY, NO_GATE); doors.all.len()] };
         for node in from_near(field) {
             let rest = self.next(field, node).map_or(NO_GATE, |next| gates.first[next]);
             gates.first[node] = crossed.get(&node).copied().unwrap_or(rest);
@@ -364,17 +400,18 @@ impl Grid {
         gates
     }
 
-    /// Returns the doors on the way from a place, with how far \[m\] it is from each. Nodes behind one of the `doors` do not
-    /// count.
+    /// Returns the doors on the way from a place, in its order, with how far \[m\] it is from each. Nodes behind one of the
+    /// `doors` do not count.
     pub fn gates_from<'a>(
         &self,
         gates: &'a Gates,
-        doors: &[Vec<[Vec2; 2]>],
+        doors: &Doors,
         at: Vec2,
     ) -> impl Iterator<Item = (usize, f64)> + use<'a> {
-        let parted =
-            |node: usize| doors.iter().flatten().any(|&[a, b]| segments_touch(at, self.place(node), a, b));
-        let near = self.around(at).into_iter().filter(|&(node, share)| share > 0.0 && !parted(node));
+        let around = self.around(at);
+        let beside = doors.beside.get(&around[0].0).map_or(&[][..], |beside| &beside[..]);
+        let parted = |node: usize| beside.iter().any(|&[a, b]| segments_touch(at, self.place(node), a, b));
+        let near = around.into_iter().filter(|&(node, share)| share > 0.0 && !parted(node));
         let nearest = near.max_by(|a, b| a.1.total_cmp(&b.1));
         let first = nearest.map_or(NO_GATE, |(node, _)| gates.first[node]);
         let known = |gate: u32| gates.all.get(gate as usize).map(|&(far, next)| (gate as usize, far, next));

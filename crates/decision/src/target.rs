@@ -1,7 +1,7 @@
 //! Exits and goals: lines and areas to which people walk around walls.
 
 use crate::error::PlanError;
-use crate::field::{Field, Gates, Grid};
+use crate::field::{Doors, Field, Gates, Grid, LAST};
 use lemons_core::plane::{InPlane, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
 use lemons_core::trial::is_open;
 use serde::{Deserialize, Serialize};
@@ -14,8 +14,8 @@ const ROUNDING: f64 = 1e-6;
 const NEAR: f64 = 0.3;
 /// \[m\] Nearer than this to the line or the middle of a goal, people walk more and more slowly.
 const SLOW: f64 = 1.0;
-/// Steps of the grid from a line within which the way leads straight to it; and on foot, where metres may count four times.
-const LAST: (f64, f64) = (1.5, 8.0);
+/// Steps of the grid on foot from a line, where metres may count four times, beyond which the way to it is not straight.
+const LAST_ON_FOOT: f64 = 8.0;
 /// \[m\] Distance on foot at which people stand in front of an exit or a door that is closed.
 const FRONT: f64 = 0.5;
 
@@ -181,8 +181,8 @@ pub struct Ways {
     to_nearest: Option<Field>,
     /// Free widths of the ways to each target, if they were measured.
     widths: Vec<Field>,
-    /// Doors that open and close, in straight pieces, and those on the ways to each target.
-    doors: Vec<Vec<[Vec2; 2]>>,
+    /// Doors that open and close, and those on the ways to each target.
+    doors: Doors,
     gates: Vec<Option<Gates>>,
 }
 
@@ -246,14 +246,17 @@ impl Ways {
     pub fn with_doors(mut self, doors: Vec<Vec<[Vec2; 2]>>) -> Result<Ways, PlanError> {
         let fields = self.to_each.iter().chain([&self.to_nearest]).flatten().count();
         self.grid.check_fields(3 * fields)?;
-        let gates = |field: &Option<Field>| field.as_ref().map(|field| self.grid.gates(field, &doors));
-        self.gates = self.to_each.iter().map(gates).collect();
+        let doors = self.grid.doors(doors);
+        let gates = |(shape, field): (&Shape, &Option<Field>)| {
+            field.as_ref().map(|field| self.grid.gates(field, &doors, |at| shape.nearest(at)))
+        };
+        self.gates = self.shapes.iter().zip(&self.to_each).map(gates).collect();
         self.doors = doors;
         Ok(self)
     }
 
-    /// Returns the doors on the way from a place to a target, with how far \[m\] it is from each to the target; none if they
-    /// were not looked for.
+    /// Returns the doors on the way from a place to a target, in its order, with how far \[m\] it is from each to the target;
+    /// none if they were not looked for.
     pub fn doors_to(&self, target: usize, at: Vec2) -> impl Iterator<Item = (usize, f64)> {
         let gates = self.gates.get(target).and_then(Option::as_ref);
         gates.into_iter().flat_map(move |gates| self.grid.gates_from(gates, &self.doors, at))
@@ -346,7 +349,7 @@ impl Ways {
             let nearest = nearest.min_by(|a, b| (*a - at).norm().total_cmp(&(*b - at).norm()))?;
             towards(nearest)
         };
-        let near = distance < LAST.1 * self.grid.step();
+        let near = distance < LAST_ON_FOOT * self.grid.step();
         let last = if near { self.last_step(to, at) } else { None };
         let direction = last.and_then(towards).or(found).or_else(straight);
         Leg { direction, share, distance }
@@ -360,7 +363,7 @@ impl Ways {
         let is_line = |k: &usize| matches!(self.shapes[*k], Shape::Line(_));
         let wanted = self.targets(to).filter(|k| !(self.stay[*k] && is_line(k)));
         let near = wanted.map(|k| self.shapes[k].nearest(at)).map(|place| (place, (place - at).norm()));
-        let near = near.filter(|(_, far)| *far < LAST.0 * self.grid.step());
+        let near = near.filter(|(_, far)| *far < LAST * self.grid.step());
         let (place, _) = near.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
         self.grid.sees(at, place).then_some(place)
     }

@@ -4,6 +4,7 @@ use lemons_core::plane::{Vec2, segments_cross, vec2};
 use lemons_decision::decision::Act;
 use lemons_decision::plan::Door;
 use lemons_decision::rule::Pose;
+use lemons_decision::target::{Destination, Target, Ways};
 use lemons_decision::{Decision, DecisionConfig, Person, Plan, PlanError};
 use lemons_fmi::Model;
 
@@ -346,8 +347,8 @@ fn the_last_step_to_a_line_is_not_through_a_wall() {
 }
 
 /// The outside: by hand. The near exit lets out for 30 s more than its door, 1 m before it, is open. At 1.34 m/s, who is
-/// 2 m from the door is through before it shuts, and who is 6 m from it is not, and takes the other exit: at once by time,
-/// when it shuts by distance. The door is shut for good.
+/// 2 m from the door is through before it shuts, and who is 6 m from it is not, and takes the other exit at once. The door
+/// is shut for good.
 #[test]
 fn who_cannot_pass_a_door_in_time_takes_another_exit() {
     let line = |points: &[(f64, f64)]| points.iter().map(|&(x, y)| vec2(x, y)).collect::<Vec<Vec2>>();
@@ -355,7 +356,8 @@ fn who_cannot_pass_a_door_in_time_takes_another_exit() {
         [line(&[(0.0, 0.0), (10.0, 0.0), (10.0, 1.0)]), line(&[(10.0, 2.0), (10.0, 3.0), (0.0, 3.0)])];
     let door = |open: [f64; 2]| Door { corners: vec![[10.0, 1.0], [10.0, 2.0]], open: vec![open] };
     let exits = "exits = [{ line = [[11, 0], [11, 3]], open = [[0, 32.5]] }, { line = [[-8, 0], [-8, 3]] }]";
-    for (choice, leaves_at) in [("time", 12.0 / 1.34), ("distance", 2.5 + (12.0 + 2.5 * 1.34) / 1.34)] {
+    for choice in ["time", "distance"] {
+        let leaves_at = 12.0 / 1.34;
         let people = [person(0, 8.0, 1.5), person(1, 4.0, 1.5)];
         let mut plan = plan(&walls, &people, &format!("exit_choice = \"{choice}\"\n{exits}")).unwrap();
         plan.doors = vec![door([0.0, 2.5])];
@@ -368,6 +370,80 @@ fn who_cannot_pass_a_door_in_time_takes_another_exit() {
         );
         assert!(far.last().unwrap().x < -7.5, "{choice}: {:?}", far.last());
         assert!((seconds[1] - leaves_at).abs() < 1.6, "{choice}: {seconds:?} instead of {leaves_at}");
+    }
+}
+
+/// The outside: by hand. Of two doorways in a wall, people go through that with the door, whose line is the exit, or a
+/// little behind it, anywhere on the grid and at any angle. The other one has no door, and its
+/// way ends at that with the door only if the line does.
+#[test]
+fn a_door_on_the_line_of_an_exit_is_on_the_way() {
+    for k in 0..60 {
+        let turn = lemons_core::plane::rotation(if k < 20 { 0.0 } else { 0.11 * f64::from(k - 20) });
+        let shift = vec2(0.01 * f64::from(k), 0.003 * f64::from(k));
+        let put = |x: f64, y: f64| turn * (vec2(x, y) + shift);
+        let wall = |from: f64, to: f64| vec![put(10.0, from), put(10.0, to)];
+        let walls = [wall(-3.0, 0.0), wall(1.2, 4.0), wall(5.2, 8.0)];
+        for behind in [0.0, 0.02, 0.06] {
+            // On a wall there is no exit.
+            let (low, high) = if behind > 0.0 { (-3.0, 8.0) } else { (0.0, 1.2) };
+            let corners = [put(10.0 + behind, low), put(10.0 + behind, high)].map(Into::into).to_vec();
+            let (open, name) = (Vec::new(), String::new());
+            let exit = Target { name, stay: false, corners, open, time_factor: 1.0 };
+            let [before, other] = [put(7.0, 0.6), put(7.0, 4.6)];
+            let people = [before, other, put(0.0, 0.0)].map(|at| (at, Destination::Target(0)));
+            let ways = Ways::new(&walls, &[exit], people.into_iter()).unwrap();
+            let ways = ways.with_doors(vec![vec![[put(10.0, 0.0), put(10.0, 1.2)]]]).unwrap();
+            for (at, count) in [(before, 1), (put(9.9, 0.5), 1), (other, usize::from(behind == 0.0))] {
+                let doors: Vec<(usize, f64)> = ways.doors_to(0, at).collect();
+                assert_eq!(doors.len(), count, "{k}, {behind} m behind, from {at:?}: {doors:?}");
+                assert!(doors.iter().all(|(_, far)| *far <= 0.3), "{k}: {doors:?}");
+            }
+        }
+    }
+}
+
+/// The outside: by hand. At 1.34 m/s, it is 20 m to a gate and 26 m to the exit behind it, and 40 m to the other exit. Who
+/// may come through the gate goes there straight on; it opens once, or to and fro. A second gate behind the first one may
+/// be shut for good by then.
+#[test]
+fn nobody_turns_round_for_a_gate_whose_times_are_known() {
+    let line = |points: &[(f64, f64)]| points.iter().map(|&(x, y)| vec2(x, y)).collect::<Vec<Vec2>>();
+    let sides = [line(&[(-45.0, 0.0), (30.0, 0.0)]), line(&[(-45.0, 3.0), (30.0, 3.0)])];
+    let gate = |x: f64, open: &[[f64; 2]]| Door { corners: vec![[x, 0.0], [x, 3.0]], open: open.to_vec() };
+    let cycle: Vec<[f64; 2]> = (0..20).map(|k| [6.0 * f64::from(k), 6.0 * f64::from(k) + 2.0]).collect();
+    let exits = "exits = [{ line = [[26, 0], [26, 3]] }, { line = [[-40, 0], [-40, 3]] }]";
+    for choice in ["time", "distance"] {
+        for (name, doors, last) in [
+            ("opens soon", vec![gate(20.0, &[[5.0, 90.0]])], 26.0 / 1.34),
+            ("cyclic", vec![gate(20.0, &cycle)], 18.0 + 6.0 / 1.34),
+            ("opens late", vec![gate(20.0, &[[60.0, 90.0]])], 40.0 / 1.34),
+            ("shuts before", vec![gate(20.0, &[[0.0, 14.0]])], 40.0 / 1.34),
+            ("second shuts", vec![gate(20.0, &[[18.0, 90.0]]), gate(24.0, &[[0.0, 19.0]])], 40.0 / 1.34),
+            (
+                "second is open",
+                vec![gate(20.0, &[[18.0, 90.0]]), gate(24.0, &[[0.0, 40.0]])],
+                18.0 + 6.0 / 1.34,
+            ),
+        ] {
+            let mut plan =
+                plan(&sides, &[person(0, 0.0, 1.5)], &format!("exit_choice = \"{choice}\"\n{exits}"))
+                    .unwrap();
+            plan.doors = doors;
+            let way = alone(&walk(plan, 800), 0);
+            let (walked, seconds) =
+                (way.windows(2).map(|at| (at[1] - at[0]).norm()).sum::<f64>(), way.len() as f64 * STEP);
+            let there = way.last().unwrap().x;
+            let far = if there > 0.0 { 26.0 } else { 40.0 };
+            // By time everybody has the nearest exit at first, for up to a second.
+            let detour = if choice == "time" { 2.8 } else { 0.3 };
+            assert!(walked < far + detour, "{choice}, {name}: {walked} m");
+            assert!(
+                (-0.6..3.4).contains(&(seconds - last)),
+                "{choice}, {name}: {seconds} s instead of {last} s, at {there} m"
+            );
+            assert_eq!(there > 0.0, last < 29.0, "{choice}, {name}");
+        }
     }
 }
 

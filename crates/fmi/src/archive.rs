@@ -234,3 +234,15 @@ const LICENSES: [(&str, &str); 3] = [
     ("LICENSE-APACHE.txt", include_str!("../../../LICENSE-APACHE")),
     ("LICENSE-MIT.txt", include_str!("../../../LICENSE-MIT")),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// FMI-LS-WASM is a layered standard of FMI 3.0.
+    #[test]
+    fn components_are_of_fmi_3_only() {
+        let of = |version| platform("wasm32-wasip2", version);
+        assert_eq!((of(Version::V2), of(Version::V3)), (None, Some(("wasm32-wasip2", "wasm"))));
+    }
+}

@@ -12,7 +12,7 @@
 //! - [`kinds`]: kinds of people, and what goes along with them
 //! - [`room`], [`crowd`], [`upload`]: where a Trial comes from
 //! - [`scene`]: what a page draws of it
-//! - [`frame`]: what it keeps of a run, and asks of it; [`map`]: by place
+//! - [`frame`]: what it keeps of a run, and asks of it; [`map`]: by place; [`limit`]: time above a limit
 //! - [`files`]: files to keep
 
 pub mod base;
@@ -23,6 +23,7 @@ pub mod edit;
 pub mod files;
 pub mod frame;
 pub mod kinds;
+pub mod limit;
 pub mod map;
 pub mod mechanics;
 pub mod motion;
@@ -69,6 +70,8 @@ pub enum Request {
     Flow { run: u32, line: [[f64; 2]; 2] },
     /// Frames (the bytes) more in the map of a quantity, or in a new one.
     Map { run: u32, of: map::Quantity, fresh: bool },
+    /// Squeezes (the bytes) more of people who may be above a limit.
+    Limit(limit::LimitRequest),
     /// Everybody's section with a plane at this altitude.
     Sections { run: u32, altitude: f64 },
     /// Everybody's surface.
@@ -139,6 +142,8 @@ pub struct Lab {
     open: Option<run::Run>,
     /// How many runs there were: the number of the present one.
     runs: u32,
+    /// What is known of limits of the squeeze, by its number.
+    limits: BTreeMap<u32, limit::Known>,
 }
 
 impl Lab {
@@ -162,6 +167,7 @@ impl Lab {
             Request::Forces { run, time } => self.present(*run)?.forces(bytes, *time),
             Request::Flow { run, line } => frame::flow(self.present(*run)?.people(), *line, bytes),
             Request::Map { run, of, fresh } => map::add(self.present(*run)?, *of, *fresh, bytes),
+            Request::Limit(wanted) => limit::add(self, wanted, bytes),
             Request::Sections { run, altitude } => body::sections(self.present(*run)?, *altitude),
             Request::Bodies { run } => body::surfaces(self.present(*run)?),
             Request::Take { run, wanted } => files::file(wanted, self.present(*run)?, bytes, watch),

@@ -6,7 +6,10 @@ use crowd_mechanics::setup::Setup;
 use lemons_core::files::source::Memory;
 use lemons_core::plane::{Bounds, Ring, Vec2};
 use lemons_core::trial::{Contact, FARTHEST, Geometry, Trial};
-use lemons_people::drawing::{Format, LARGEST_DRAWING, Place, Plan, PlanSettings, Read, Reading, sizes};
+use lemons_people::drawing::{
+    Drawing, Enclosing, Format, Gap, LARGEST_DRAWING, Layer, Leads, Place, Plan, PlanSettings, Proposal,
+    Read, Reading, sizes,
+};
 use lemons_people::placing::Region;
 use lemons_people::room::{Edit, Room};
 use lemons_people::{Door, PeopleError, is_closed, nearest_wall};
@@ -154,25 +157,48 @@ pub struct DrawingRequest {
     pub origin: bool,
     /// The layers that are walls, where none is named as a walkable area; empty: all.
     pub walls: Vec<String>,
+    /// Whether the room is what walls enclose, as a proposal says.
+    #[serde(default)]
+    pub enclosing: Option<Enclosing>,
+    /// Further doors: exits on the nearest closed walls.
+    #[serde(default)]
+    pub doors: Vec<Door>,
 }
 
+/// Most doors of a drawing.
+const MOST_DOORS: usize = 100;
+
 /// Returns the room in a file; its exits, with lines behind those that are doors; where people are placed; its layers; its
-/// area \[m²\]; and what was understood, as `lemons room` says it.
+/// area \[m²\]; what was understood, as `lemons room` says it; why it may not be the room; and what is proposed instead.
 ///
 /// # Errors
-/// The file has errors, does not say its unit, is no drawing, or none of its walls is closed.
+/// The file has errors, does not say its unit, is no drawing, a door is not at a wall, or none of its walls is closed and
+/// there is nothing to propose.
 pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
-    let DrawingRequest { name, unit, close, origin, walls } = wanted;
+    let DrawingRequest { name, unit, close, origin, walls, enclosing, doors } = wanted;
     let wrong = |why: String| Refused(format!("{name}: {why}"));
-    let (plan, said, layers) = if let Some(format) = Format::of(Path::new(name)) {
+    require(doors.len() <= MOST_DOORS, || {
+        format!("{name}: {} doors: at most {MOST_DOORS} are allowed", doors.len())
+    })?;
+    let (mut doubt, mut proposal) = (None, None);
+    let (mut plan, said, layers) = if let Some(format) = Format::of(Path::new(name)) {
         within("length of a unit [m]", unit.unwrap_or(1.0), [1e-6, 1e6])?;
         within("width of a gap [m]", close.unwrap_or(1.0), [1e-6, 100.0])?;
+        within("width of a gap [m]", enclosing.as_ref().map_or(1.0, |how| how.widest), [1e-6, 100.0])?;
         require(bytes.len() as u64 <= LARGEST_DRAWING, || {
             format!("{name}: more than {} MB", LARGEST_DRAWING / 1_000_000)
         })?;
         let reading = Reading { unit: *unit, ..Reading::default() };
-        let settings = PlanSettings { close: *close, to_origin: *origin, walls: walls.clone() };
+        let (to_origin, enclosing) = (*origin, enclosing.clone());
+        let settings = PlanSettings { close: *close, to_origin, walls: walls.clone(), enclosing };
         let read = Read::of(format, bytes, &reading, &settings).map_err(|error| wrong(explained(error)))?;
+        if read.doubt.is_some() || read.plan.outline.is_none() || wanted.enclosing.is_some() {
+            let drawing = Drawing::read(format, bytes, &reading)?;
+            // Only a hint: a drawing with too many lines has none.
+            let found = Proposal::of(&drawing, walls, *close, wanted.enclosing.as_ref()).ok().flatten();
+            proposal = found.map(|found| if to_origin { found.at_origin() } else { found });
+        }
+        doubt.clone_from(&read.doubt);
         let said = read.said(name).into_iter().map(|(what, how)| (what.to_owned(), how)).collect();
         (read.plan, said, read.layers)
     } else {
@@ -183,12 +209,21 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
             warnings.iter().map(|warning| ("warning".to_owned(), warning.to_string())).collect();
         (Plan::of_geometry(&geometry, Vec::new()), said, Vec::new())
     };
+    for door in doors {
+        plan.add_door(door).map_err(|error| wrong(error.to_string()))?;
+    }
     let none = || {
         let advice = "close gaps, or take it as a picture and draw the outline over it";
         wrong(format!("none of its {} walls is closed, so nothing is inside: {advice}", plan.walls.len()))
     };
-    let room = Room::of(&plan).ok_or_else(none)?;
-    let lines = room.lines()?;
+    let room = Room::of(&plan);
+    if room.is_none() {
+        if proposal.as_ref().is_none_or(|found| found.ground.is_empty()) {
+            return Err(none());
+        }
+        doubt = Some(format!("none of its {} walls is closed, so nothing is inside", plan.walls.len()));
+    }
+    let lines = room.as_ref().map_or_else(|| Ok(Vec::new()), Room::lines)?;
     let doors: BTreeMap<usize, Door> = plan.doors().into_iter().collect();
     let exit = |(k, Place { name, corners }): (usize, &Place)| {
         let beyond = doors.get(&k).and_then(|door| door.exit(&lines, std::iter::empty()));
@@ -199,8 +234,23 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
     let places = |of: &[Place]| of.iter().map(|place| points(&place.corners)).collect::<Vec<_>>();
     Ok(Reply::of(json!({
         "room": room, "exits": exits, "distributions": places(&plan.distributions), "area": plan.area(),
-        "waypoints": plan.waypoints.len(), "said": said, "layers": layers,
+        "waypoints": plan.waypoints.len(), "said": said, "layers": layers, "doubt": doubt,
+        "proposal": proposal.as_ref().map(proposed),
     })))
+}
+
+/// What a drawing seems to be, for the page.
+fn proposed(found: &Proposal) -> serde_json::Value {
+    let gap = |gap: &Gap| json!({ "kind": gap.kind(), "door": gap.door(), "outside": gap.leads == Leads::Outside, "said": gap.described() });
+    let layer =
+        |layer: &Layer| json!({ "name": layer.name, "sort": layer.sort.name(), "lines": layer.lines });
+    json!({
+        "layers": found.layers.iter().map(layer).collect::<Vec<_>>(),
+        "walls": found.walls, "obstacles": found.enclosing.obstacles, "widest": found.enclosing.widest,
+        "close": found.close, "areas": found.areas,
+        "ground": found.ground.iter().map(|rim| points(rim)).collect::<Vec<_>>(),
+        "gaps": found.gaps.iter().map(gap).collect::<Vec<_>>(), "questions": found.questions,
+    })
 }
 
 /// What to do where the unit is not known.

@@ -151,13 +151,14 @@ impl Door {
         Door { at, width, open: Vec::new() }
     }
 
-    /// Makes a door of x, y and width \[m\] and the times \[s\] from and to which it is open; `None` if they are not
-    /// three numbers and such times.
+    /// Makes a door of x, y and width \[m\] and the times \[s\] from and to which it is open; without the last time it does
+    /// not close any more. `None` if they are not three numbers and such times.
     pub fn of_numbers(numbers: &[f64]) -> Option<Door> {
         let &[x, y, width, ref times @ ..] = numbers else { return None };
         let (open, rest) = times.as_chunks::<2>();
-        (rest.is_empty() && are_times(open))
-            .then(|| Door { open: open.to_vec(), ..Door::new(vec2(x, y), width) })
+        let last = rest.iter().map(|from| [*from, LATEST]);
+        let open: Vec<[f64; 2]> = open.iter().copied().chain(last).collect();
+        are_times(&open).then(|| Door { open, ..Door::new(vec2(x, y), width) })
     }
 
     /// Returns the times \[s\] at which people can leave behind it: those of the door, and a little longer for who has come
@@ -354,6 +355,12 @@ mod tests {
 
     fn near(found: &[Vec2], by_hand: &[Vec2]) -> bool {
         found.len() == by_hand.len() && found.iter().zip(by_hand).all(|(a, b)| (*a - *b).norm() < 1e-12)
+    }
+
+    #[test]
+    fn a_line_there_and_back_has_no_inside() {
+        let (a, b, c) = (Vec2::zeros(), vec2(1.0, 0.0), vec2(0.0, 1.0));
+        assert!(!is_closed(&[a, b, a]) && is_closed(&[a, b, c, a]) && !is_closed(&[a, b, c]));
     }
 
     #[test]

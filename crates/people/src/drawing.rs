@@ -6,22 +6,32 @@
 //! The group codes of DXF are read by our own code (DESIGN.md, "Libraries", says why).
 
 mod areas;
+mod bands;
 mod collinear;
 mod curve;
 mod dxf;
 mod geojson;
 mod join;
+mod pieces;
 mod plan;
+#[cfg(test)]
+mod plans;
+mod proposal;
 mod read;
+mod sort;
 mod svg;
+mod swings;
 #[cfg(test)]
 mod tests;
 mod wkt;
 mod write;
 
+pub use bands::{DOOR, Gap, Leads, THICKNESS};
 pub use join::{Joined, WIDEST_GAP};
 pub use plan::{Place, Plan, Role, Settings as PlanSettings};
+pub use proposal::{Enclosing, Proposal, WIDEST_DOOR};
 pub use read::{Read, sizes};
+pub use sort::{Flight, Layer, Sort};
 pub use write::{write_plan, written_formats};
 
 use crate::error::{PeopleError, Result, require};
@@ -114,6 +124,8 @@ pub enum UnitFrom {
 pub struct Line {
     /// As the file has it; empty if there is none.
     pub layer: String,
+    /// What its layer, or another name of it, says that it is, and the rest of that name.
+    pub role: Option<(Role, String)>,
     /// A name that the file gives this one.
     pub name: Option<String>,
     /// What it is, as messages call it, with its place in the file: `LINE in line 12`.
@@ -280,6 +292,10 @@ impl Tracer {
 }
 
 impl Line {
+    fn has(&self, role: Role) -> bool {
+        self.role.as_ref().is_some_and(|(of, _)| *of == role)
+    }
+
     /// Says what it is, and on which layer.
     pub fn named(&self) -> String {
         if self.layer.is_empty() {

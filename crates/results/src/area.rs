@@ -1,5 +1,6 @@
 //! The walkable area that walls enclose.
 
+use crate::measure::Room;
 use crate::outlines::{Outline, outlines};
 use crate::shapes::check;
 use lemons_core::plane::overlay::{Contour, Fill, Polygons, contour, difference, ring, union};
@@ -15,9 +16,6 @@ pub const LEANING: f64 = 0.5;
 /// \[1/m\] A calculated corner is given to one part in so many of a metre.
 const GRAINS: f64 = 1e6;
 
-/// Said where walls do not help.
-const IN_A_BOX: &str = "no wall is around everybody";
-
 /// The area where people can be.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Area {
@@ -25,6 +23,8 @@ pub struct Area {
     pub polygon: Polygon,
     /// What the area was made of, and what could not be used, in words for the user.
     pub said: Vec<String>,
+    /// Whether it is the bounding box of walls and people, as no wall is around everybody.
+    pub boxed: bool,
 }
 
 /// Returns the area of people who were at these positions \[m\]. PedPy and JuPedSim want one polygon. It is the first of
@@ -46,14 +46,16 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
     let opens = |outline: &Outline| !outline.bridges.is_empty();
     outlines.sort_by(|a, b| opens(a).cmp(&opens(b)).then(a.ring.area().total_cmp(&b.ring.area())));
     let around = |outline: &Outline| positions.clone().all(|position| outline.ring.contains(position));
+    let mut boxed = false;
     let outer = if let Some(place) = outlines.iter().position(around) {
         said.push(format!("walkable area: inside of {}", outlines[place].described()));
         outlines.remove(place)
     } else if let Some(outline) = with_outside(&outlines, positions.clone(), &mut said) {
         outline
     } else {
+        boxed = true;
         said.push(format!(
-            "walkable area: {IN_A_BOX}: the bounding box of people and walls and {MARGIN} m more \
+            "walkable area: no wall is around everybody: the bounding box of people and walls and {MARGIN} m more \
              (a polygon of your own: --area)"
         ));
         bounding_box(walls.iter().flat_map(|wall| wall.corners.iter().copied()).chain(positions.clone()))
@@ -99,7 +101,7 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
             ),
         }
     }
-    Area { polygon, said }
+    Area { polygon, said, boxed }
 }
 
 /// Returns the area of people whose heads were measured at these positions \[m\]: the [`walkable_area`] of all but those who
@@ -108,16 +110,11 @@ pub fn measured_area(walls: &[Wall], positions: &[Vec2]) -> Option<Area> {
     let (known, _) = outlines(walls);
     let is_inside = |p: &Vec2| known.iter().any(|outline| outline.ring.contains(*p));
     let leans = |p: &Vec2| {
-        let near = walls
-            .iter()
-            .map(|wall| nearest_on_line(&wall.corners, *p).distance)
-            .fold(f64::INFINITY, f64::min);
-        near <= LEANING && !is_inside(p)
+        !is_inside(p) && walls.iter().any(|wall| nearest_on_line(&wall.corners, *p).distance <= LEANING)
     };
     let upright: Vec<Vec2> = positions.iter().copied().filter(|p| !leans(p)).collect();
     let area = walkable_area(walls, upright.iter().copied());
-    let is_box = area.said.iter().any(|said| said.contains(IN_A_BOX));
-    (!is_box || !upright.iter().any(is_inside)).then_some(area)
+    (!area.boxed || !upright.iter().any(is_inside)).then_some(area)
 }
 
 /// Returns the area that a user gives as well-known text, `POLYGON ((x y, …), (hole), …)` in m.
@@ -150,7 +147,18 @@ pub fn given_area(wkt: &str, positions: impl Iterator<Item = Vec2>) -> Result<Ar
             first.x, first.y
         ));
     }
-    Ok(Area { polygon, said: vec!["walkable area: the polygon given; walls are not looked at".into()] })
+    let said = vec!["walkable area: the polygon given; walls are not looked at".into()];
+    Ok(Area { polygon, said, boxed: false })
+}
+
+/// Returns the same of people whose heads were measured: those who lean over its rim may be outside.
+///
+/// # Errors
+/// As [`given_area`].
+pub fn given_area_of_heads(wkt: &str, positions: &[Vec2]) -> Result<Area, String> {
+    let room = Room::of(&Polygon::from_wkt(wkt)?);
+    let leans = |off: f64| off > 0.0 && off <= LEANING;
+    given_area(wkt, positions.iter().copied().filter(|p| !leans(room.nearest(*p).1)))
 }
 
 /// Returns the rooms that people were in, and beside each opening the convex hull of where they were outside. `None` if

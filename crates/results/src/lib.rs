@@ -29,7 +29,9 @@ mod table;
 mod text;
 mod trajectories;
 
-pub use area::{Area, LEANING, MARGIN, THICKNESS, given_area, measured_area, walkable_area};
+pub use area::{
+    Area, LEANING, MARGIN, THICKNESS, given_area, given_area_of_heads, measured_area, walkable_area,
+};
 pub use cell::{Cell, CellType};
 pub use error::RecordError;
 #[cfg(feature = "sqlite")]

@@ -24,7 +24,7 @@ pub use by_place::SqueezeMap;
 pub use crossing::{Line, Way};
 pub use density::{Density, MeasuringArea};
 pub use departures::{Departures, Left};
-pub use exposure::{Exposed, Exposure, SPANS};
+pub use exposure::{Above, Exposed, Exposure, SPANS};
 pub use flow::{Flow, Window, windows};
 pub use impulses::MovingMeans;
 pub use leaving::{LATEST, Leaving, Over, WAITING, Wait};

@@ -31,6 +31,8 @@ MOST_ROWS = 20_000_000
 MOST_OF_ROW, MOST_OF_CHUNK, MOST_OF_ATTRIBUTE = 4096, 2**27, 2**24
 #: Rows of more than so many bytes [bytes] may be packed at most so many times: measured positions are packed 3 to 10 times.
 LARGE, MOST_PACKED = 2**27, 100
+#: Links in a row that are followed.
+MOST_LINKS = 8
 #: Rows that are in memory at a time, but for a chunk of the file.
 BLOCK = 100_000
 #: Columns of the dataset, and those of the database.
@@ -84,8 +86,20 @@ def _to_database(path: Path, database: Path) -> None:
         raise CommandError(f"{path}: is no sound HDF5: {error}") from error
 
 
+def _within(h5py: Any, file: Any, name: str, links: int = MOST_LINKS) -> Any:
+    """What has this name in the file itself; links to other files are not followed."""
+    here = file
+    for part in name.strip("/").split("/"):
+        link = here.get(part, getlink=True) if isinstance(here, h5py.Group) else None
+        if isinstance(link, h5py.SoftLink) and links > 0:
+            here = _within(h5py, file, link.path if link.path.startswith("/") else f"{here.name}/{link.path}", links - 1)
+        else:
+            here = here[part] if isinstance(link, h5py.HardLink) else None
+    return here
+
+
 def _copy(path: Path, h5py: Any, file: Any, made: sqlite3.Connection) -> None:
-    rows = file.get("trajectory") if isinstance(file.get("trajectory", getlink=True), h5py.HardLink) else None
+    rows = _within(h5py, file, "trajectory")
     if not isinstance(rows, h5py.Dataset):
         raise CommandError(f'{path}: is HDF5, but not of the data archive: there is no dataset "trajectory"')
     names = rows.dtype.names or ()

@@ -37,7 +37,7 @@ class Measures:
     gaps: pd.DataFrame
     #: For each area and frame: t [s], people, density and voronoi_density [1/m2], speed [m/s].
     density: pd.DataFrame
-    #: For each person: id, time [s], time_above_… [s], largest_mean_… [N], peak [N], impulse [N s], and largest_mean_…_by_people,
+    #: For each person: id, time [s], time_above_… [s], longest_above_… [s], largest_mean_… [N], peak [N], impulse [N s], and largest_mean_…_by_people,
     #: impulse_by_walls and so on; no rows if not known.
     people: pd.DataFrame
     #: With `walls=True`, for each straight piece of a wall: segment, wall (its Id), x1, y1, x2, y2 [m], largest_mean_step and

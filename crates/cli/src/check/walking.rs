@@ -59,16 +59,11 @@ pub fn doubts(plan: &Plan) -> Vec<(&'static str, String)> {
     doubts.map(advised).collect()
 }
 
-/// What a limit of pushes does in the model "rotational".
-pub const FLAT_PUSH: &str = "in the model \"rotational\" people queue with gaps: above about 150 N squeezes hardly grow with \
-    the push, and they are no estimate of a crowd that presses without gaps (docs/walking.md#how-hard-people-push)";
-
-/// Returns this of a plan in which somebody has such a limit.
+/// Returns what a limit of pushes does in this plan, if somebody has one.
 pub fn flat_push(plan: &Plan) -> Option<&'static str> {
     let changed = || plan.motivation.iter().any(|change| change.push.is_some());
     let limited = || plan.agents.iter().any(|agent| agent.walker.push < UNLIMITED);
-    let queues = matches!(plan.walking_model, WalkingModel::Rotational(_));
-    (queues && (limited() || changed())).then_some(FLAT_PUSH)
+    plan.flat_push().filter(|_| limited() || changed())
 }
 
 /// \[m\] Walls keep the centre of everybody who walks so far away.

@@ -30,6 +30,8 @@ pub struct Summary {
     pub walls: Option<Vec<Piece>>,
     /// How people kept their balance; null: they have no legs.
     pub balance: Option<OfBalance>,
+    /// What the squeezes can mean, and what not.
+    pub notes: Vec<String>,
 }
 
 /// What is known of trajectories that are not of our runs.
@@ -175,6 +177,10 @@ pub struct OfLevel {
     pub people: Option<usize>,
     /// \[s\] null: the record is shorter than the means, or a communication step is longer.
     pub time: Option<OfPeople>,
+    /// \[s\] The longest time of each person without a break.
+    pub longest: Option<OfPeople>,
+    /// \[s\] When somebody was above it at first; null: nobody was, or as `time`.
+    pub first: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -228,6 +234,7 @@ impl Summary {
             exposure_left_out: exposed.err().copied(),
             walls: seen.walls.as_ref().map(of_walls),
             balance: seen.balance.as_ref().and_then(|kept| OfBalance::of(kept, ids)),
+            notes: Vec::new(),
         }
     }
 }
@@ -254,9 +261,11 @@ impl OfSqueeze {
     ) -> Option<OfSqueeze> {
         let of = |value: &dyn Fn(&Exposed) -> Option<f64>| spread(exposed, ids, value);
         let level = |(k, &above): (usize, &f64)| {
-            let people = exposed.iter().filter(|one| one.above[k] > Some(0.0)).count();
-            let time = of(&|one| one.above[k]);
-            OfLevel { above, people: time.as_ref().map(|_| people), time }
+            let first = exposed.iter().filter_map(|one| one.above[k]?.first);
+            let time = of(&|one| one.above[k].map(|above| above.time));
+            let people = time.as_ref().map(|_| first.clone().count());
+            let longest = of(&|one| one.above[k].map(|above| above.longest));
+            OfLevel { above, people, time, longest, first: first.reduce(f64::min) }
         };
         let [by_people, by_walls] = match &seen.exposed_by {
             Some(parts) => parts.each_ref().map(|part| OfPart::of(part, ids)),

@@ -7,7 +7,7 @@ use super::Arguments;
 use super::pass::{Seen, SeenLine};
 use super::summary::{Piece, Summary};
 use anyhow::Result;
-use lemons_results::measure::{By, Flow, Kept, Passage, SPANS, Way, windows};
+use lemons_results::measure::{Above, By, Flow, Kept, Passage, SPANS, Way, windows};
 use serde::Serialize;
 
 /// The names of the tables, each with its content for people with these Ids.
@@ -79,7 +79,9 @@ fn density(seen: &Seen<'_>) -> Result<String> {
 fn people(arguments: &Arguments, ids: &[String], seen: &Seen<'_>) -> Result<String> {
     let over = arguments.over.map_or(String::new(), |over| format!("_over_{over}"));
     let mut names = vec!["id".to_owned(), "time".to_owned()];
-    names.extend(arguments.above.iter().map(|level| format!("time_above_{level}{over}")));
+    for what in ["time", "longest"] {
+        names.extend(arguments.above.iter().map(|level| format!("{what}_above_{level}{over}")));
+    }
     names.extend(SPANS.map(|span| format!("largest_mean_{span}")));
     names.extend(["peak", "impulse"].map(str::to_owned));
     for by in By::ALL.map(By::name) {
@@ -97,6 +99,10 @@ fn people(arguments: &Arguments, ids: &[String], seen: &Seen<'_>) -> Result<Stri
     let row = ids.iter().enumerate().filter(|_| known).map(|(k, id)| {
         let one = seen.exposed.as_ref().ok().map(|all| &all[k]);
         let above = one.map_or(vec![None; arguments.above.len()], |one| one.above.clone());
+        let above: Vec<_> = [|above: Above| above.time, |above: Above| above.longest]
+            .iter()
+            .flat_map(|of| above.iter().map(move |one| one.map(of)))
+            .collect();
         let largest_mean = one.map_or([None; SPANS.len()], |one| one.largest_mean);
         let numbers = one.map(|one| (one.peak, one.impulse)).unzip();
         let all = (id, one.map(|one| one.time), above, largest_mean, numbers);

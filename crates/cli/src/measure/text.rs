@@ -9,8 +9,8 @@ use std::io::Write;
 /// Columns of a line.
 const WIDTH: usize = 80;
 
-/// Prints a summary, and below its squeezes what these can mean.
-pub fn print(summary: &Summary, caveats: &[String]) -> Result<()> {
+/// Prints a summary.
+pub fn print(summary: &Summary) -> Result<()> {
     let mut out = print::out();
     let Summary { from, until, frames, people, .. } = summary;
     writeln!(out, "{:<18} {from:.3} to {until:.3} s, {frames} frames, {people} people", "measured")?;
@@ -21,7 +21,7 @@ pub fn print(summary: &Summary, caveats: &[String]) -> Result<()> {
     summary.lines.iter().try_for_each(|line| of_line(&mut out, line, summary.left))?;
     summary.areas.iter().try_for_each(|area| of_area(&mut out, area))?;
     summary.exposure.iter().try_for_each(|squeeze| of_squeeze(&mut out, squeeze))?;
-    caveats.iter().try_for_each(|caveat| paragraph(&mut out, caveat))?;
+    summary.notes.iter().try_for_each(|note| paragraph(&mut out, note))?;
     summary.walls.iter().try_for_each(|pieces| of_walls(&mut out, pieces))?;
     summary.balance.iter().try_for_each(|balance| of_balance(&mut out, balance, *people))
 }
@@ -148,6 +148,9 @@ fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
     for level in &squeeze.time_above {
         let people = level.people.map_or(String::new(), |people| format!("; {people} above"));
         of_people(out, &format!("{} N", level.above), level.time.as_ref(), "s", &people)?;
+        if level.people > Some(0) {
+            of_people(out, "  without a break", level.longest.as_ref(), "s", "")?;
+        }
     }
     Ok(())
 }

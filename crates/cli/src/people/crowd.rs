@@ -301,6 +301,9 @@ impl TrialArguments {
             files.put(&path, text.into_bytes());
         }
         read(setup::read_from(&files, Path::new(""), &FileNames::default()))?;
+        // Before the first of them is written: one may lie in the directory of another.
+        let still = |path: &Option<PathBuf>| path.as_deref().map_or(Ok(()), files::check_still);
+        let (free_zip, free_directory) = (still(&self.zip), still(&self.output));
         // From here on files appear.
         let mut done = Ok(());
         let mut wrote = |what: &str, path: &Path, written: Result<()>| {
@@ -325,13 +328,12 @@ impl TrialArguments {
         }
         interrupt.check()?;
         if let Some(file) = &self.zip {
-            let free = files::check_still(file);
-            wrote("zip", file, free.and_then(|()| Ok(write_trial_zip(trial, beside, file)?)));
+            wrote("zip", file, free_zip.and_then(|()| Ok(write_trial_zip(trial, beside, file)?)));
         }
         interrupt.check()?;
         if let Some(directory) = &self.output {
-            let free = files::check_still(directory);
-            let written = free.and_then(|()| Ok(write_trial(trial, beside, directory, self.force)?));
+            let written =
+                free_directory.and_then(|()| Ok(write_trial(trial, beside, directory, self.force)?));
             wrote("Trial", directory, written);
         }
         Ok(done)

@@ -1,13 +1,13 @@
 //! `--leave` and the options that need it: the `decision.toml` of a crowd.
 
 use super::placing::WayOut;
-use crate::check::walking::FLAT_PUSH;
 use crate::error::Misused;
 use crate::numbers::{array, within};
 use anyhow::{Result, bail};
 use lemons_core::distribution::{Distribution, Range};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_decision::Spread;
+use lemons_decision::plan::FLAT_PUSH;
 use lemons_people::drawing::{self, Read};
 use std::fmt::Write;
 

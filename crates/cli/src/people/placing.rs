@@ -44,7 +44,8 @@ pub struct PlacingArguments {
     regions: Vec<RegionArgument>,
     /// Cut a door into the nearest closed wall: a gap of this width, in m, whose middle is the wall's
     /// nearest point. People are placed before. A door in an obstacle is refused: nobody stands inside it.
-    /// Can be given several times. With times in s it is a door that opens and closes, as in 8,3,1,20,60
+    /// Can be given several times. With times in s it is a door that opens and closes, as in 8,3,1,20,60;
+    /// without the last time it stays open, as in 8,3,1,20
     #[arg(long = "door", value_name = "X,Y,WIDTH[,FROM,TO...]", value_parser = door, allow_hyphen_values = true)]
     pub doors: Vec<Door>,
     /// Packing algorithm. dense: our own, without overlap; paper: that of the paper's appendix D; grid:
@@ -171,6 +172,14 @@ impl PlacingArguments {
             (None, None) => (walls(&[], ""), "the open".to_owned(), Ok(Region::plane())),
         };
         let regions = self.regions_of(drawn.as_ref())?;
+        if let Some(doubt) =
+            drawn.as_ref().and_then(|drawn| drawn.doubt.as_ref()).filter(|_| regions.is_empty())
+        {
+            bail!(
+                "--geometry {name}: where is the room? {doubt}. lemons room {name} --propose shows what the plan may be, \
+                 and the options that take it; --region says where people stand in the walls as they are drawn"
+            );
+        }
         // A drawing has open walls, too.
         let outline = drawn.as_ref().and_then(|drawn| Some(&drawn.plan.walls[drawn.plan.outline?]));
         let grounds = if let (Some(outline), Err(_), true) = (outline, &whole, regions.is_empty()) {

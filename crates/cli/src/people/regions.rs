@@ -67,14 +67,14 @@ pub fn region(text: &str) -> Result<RegionArgument, String> {
     Ok(RegionArgument { corners, amount })
 }
 
-/// Reads x, y and width; then, perhaps, from and to when it is open.
+/// Reads x, y and width; then, perhaps, from and to when it is open. It need not close.
 pub fn door(text: &str) -> Result<Door, String> {
     let numbers = list(text).unwrap_or_default();
     match numbers[..] {
         [x, y, width, ..]
             if [x, y].iter().all(|x| x.abs() <= FARTHEST) && (0.1..=1e3).contains(&width) =>
         {
-            let wrong = || format!("after x, y and width, must be {TIMES}, as in 8,3,1,20,60");
+            let wrong = || format!("after x, y and width, must be {TIMES}, as in 8,3,1,20,60; the last time may be left out");
             Door::of_numbers(&numbers).ok_or_else(wrong)
         }
         _ => Err("must be x, y and width in m, as in 8,3,1; the width is from 0.1 to 1000, x and y are from -1e9 to \

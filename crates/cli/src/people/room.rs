@@ -1,6 +1,7 @@
 //! `lemons room`: a room from a drawing; and what `lemons crowd` takes from one.
 
 use super::outputs::{Outputs, PICTURE_WIDTH};
+use super::regions::door;
 use crate::error::and_then;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
@@ -9,12 +10,13 @@ use crate::print;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use lemons_core::files::input;
-use lemons_core::trial::{Geometry, Trial};
+use lemons_core::trial::{Geometry, Trial, Wall};
 use lemons_people::PeopleError;
 use lemons_people::drawing::{
-    DEVIATION, Format, LARGEST_DRAWING, Place, Plan, PlanSettings, Read, Reading, UNITS, sizes, write_plan,
+    DEVIATION, Drawing, Enclosing, Format, Gap, LARGEST_DRAWING, Place, Plan, PlanSettings, Proposal, Read,
+    Reading, UNITS, WIDEST_DOOR, sizes, write_plan,
 };
-use lemons_people::{TrialSettings, crowd_trial};
+use lemons_people::{Door, TrialSettings, crowd_trial};
 use lemons_picture::{Mark, MarkKind, Scene, Style};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -36,6 +38,14 @@ pub struct Arguments {
     output: Option<PathBuf>,
     #[command(flatten)]
     reading: DrawingArguments,
+    /// Print what each layer seems to be, gaps in walls, questions, and the command that would take it, and
+    /// change nothing: for plans of architects
+    #[arg(long, conflicts_with_all = ["output", "doors"])]
+    propose: bool,
+    /// A door in the nearest closed wall, in m: an exit of the room that is written, as --door of lemons
+    /// crowd. Can be given several times
+    #[arg(long = "door", value_name = "X,Y,WIDTH", value_parser = door, allow_hyphen_values = true)]
+    doors: Vec<Door>,
     /// Draw what was understood as SVG
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
@@ -71,6 +81,16 @@ pub struct DrawingArguments {
     /// Only these layers are walls, if no layer is a walkable area or an obstacle
     #[arg(long, value_name = "LAYERS", value_delimiter = ',')]
     walls: Vec<String>,
+    /// The room is what the walls enclose: two lines side by side (5 to 40 cm) are one wall, and gaps to
+    /// the outside are closed, as for --door. lemons room --propose lists them
+    #[arg(long)]
+    enclosed: bool,
+    /// Closed lines on these layers are obstacles, with --enclosed
+    #[arg(long, value_name = "LAYERS", value_delimiter = ',', requires = "enclosed")]
+    obstacles: Vec<String>,
+    /// Widest gap of a wall that is closed, with --enclosed. Default: 3m
+    #[arg(long, value_name = "LENGTH", value_parser = length, requires = "enclosed")]
+    widest: Option<f64>,
 }
 
 fn unit() -> impl TypedValueParser<Value = f64> {
@@ -90,6 +110,15 @@ fn length(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "must be a length up to 100 m, as in 5cm or 0.05".into())
 }
 
+fn format_of(path: &Path) -> Result<Format> {
+    Format::of(path).with_context(|| {
+        format!(
+            "{}: is no drawing: its name must end in .dxf, .geojson, .json, .wkt, .txt or .svg",
+            path.display()
+        )
+    })
+}
+
 impl DrawingArguments {
     /// Returns whether one of the options is given, by its name.
     pub fn given(&self) -> Option<&'static str> {
@@ -100,6 +129,9 @@ impl DrawingArguments {
             ("--deviation", self.deviation.is_some()),
             ("--origin", self.origin),
             ("--walls", !self.walls.is_empty()),
+            ("--enclosed", self.enclosed),
+            ("--obstacles", !self.obstacles.is_empty()),
+            ("--widest", self.widest.is_some()),
         ];
         all.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
     }
@@ -109,21 +141,39 @@ impl DrawingArguments {
     /// # Errors
     /// It cannot be read, or there are no walls in it. The message names the file.
     pub fn read(&self, path: &Path) -> Result<Read> {
-        let format = Format::of(path).with_context(|| {
-            format!(
-                "{}: is no drawing: its name must end in .dxf, .geojson, .json, .wkt, .txt or .svg",
-                path.display()
-            )
-        })?;
-        self.of_format(path, format).with_context(|| path.display().to_string())
+        self.of_format(path, format_of(path)?).with_context(|| path.display().to_string())
     }
 
     fn of_format(&self, path: &Path, format: Format) -> Result<Read> {
         let bytes = input::read(path, LARGEST_DRAWING)?;
-        let deviation = self.deviation.unwrap_or(DEVIATION);
-        let reading = Reading { unit: self.unit.or(self.scale), deviation };
-        let settings = PlanSettings { close: self.close, to_origin: self.origin, walls: self.walls.clone() };
-        Read::of(format, &bytes, &reading, &settings).map_err(explained)
+        let settings = PlanSettings {
+            close: self.close,
+            to_origin: self.origin,
+            walls: self.walls.clone(),
+            enclosing: self.enclosing(),
+        };
+        Read::of(format, &bytes, &self.how(), &settings).map_err(explained)
+    }
+
+    fn how(&self) -> Reading {
+        Reading { unit: self.unit.or(self.scale), deviation: self.deviation.unwrap_or(DEVIATION) }
+    }
+
+    fn enclosing(&self) -> Option<Enclosing> {
+        let widest = self.widest.unwrap_or(WIDEST_DOOR);
+        self.enclosed.then(|| Enclosing { obstacles: self.obstacles.clone(), widest })
+    }
+
+    /// The options that say how the drawing is read, as they were given.
+    fn repeated(&self) -> Vec<String> {
+        let unit = self.unit.and_then(|unit| UNITS.iter().find(|(_, metres)| *metres == unit));
+        let mut options: Vec<String> = Vec::new();
+        options.extend(unit.iter().flat_map(|(name, _)| ["--unit".to_owned(), (*name).to_owned()]));
+        for (name, value) in [("--scale", self.scale), ("--deviation", self.deviation)] {
+            options.extend(value.iter().flat_map(|value| [name.to_owned(), value.to_string()]));
+        }
+        options.extend(self.origin.then(|| "--origin".to_owned()));
+        options
     }
 }
 
@@ -149,23 +199,137 @@ pub fn said(read: &Read, path: &Path) -> Vec<(&'static str, String)> {
             "unit?" => ": give --unit",
             "gaps left" => ": --close joins them",
             "door" => ": lemons crowd cuts it",
+            "in doubt" => ": lemons room FILE --propose shows what it may be",
             _ => "",
         };
     }
     said
 }
 
+/// Prints what a plan seems to be, and what would take it.
+fn propose(arguments: &Arguments) -> Result<()> {
+    let Arguments { drawing: path, reading, .. } = arguments;
+    let mut outputs = pictures(arguments)?;
+    let interrupt = Interrupt::watch();
+    let format = format_of(path)?;
+    let named = || path.display().to_string();
+    let bytes = input::read(path, LARGEST_DRAWING)?;
+    let drawing = Drawing::read(format, &bytes, &reading.how())
+        .map_err(|error| match error {
+            PeopleError::NoUnit { .. } => {
+                let units = units(format, &bytes, reading);
+                let units = if units.is_empty() { units } else { format!("; walls would be {units}") };
+                anyhow!("{}{units}", explained(error))
+            }
+            error => error.into(),
+        })
+        .with_context(named)?;
+    let given = reading.enclosing();
+    let found = Proposal::of(&drawing, &reading.walls, reading.close, given.as_ref()).with_context(named)?;
+    let Some(mut found) = found else {
+        bail!(
+            "{}: its layers say what is a walkable area or an obstacle: there is nothing to propose (lemons room {0})",
+            named()
+        )
+    };
+    if reading.origin {
+        found = found.at_origin();
+    }
+    let mut out = Vec::new();
+    writeln!(out, "{:<18} {}: {}, unit {} m", "drawing", named(), drawing.format.name(), drawing.unit)?;
+    for (what, how) in found.said() {
+        writeln!(out, "{what:<18} {how}")?;
+    }
+    if !found.ground.is_empty() {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let words = ["lemons".to_owned(), "room".to_owned(), named()].into_iter().chain(reading.repeated());
+        let words = words.chain(found.options()).chain(["-o".to_owned(), format!("{stem}.geojson")]);
+        let words: Vec<String> = words.map(|word| quoted(&word)).collect();
+        writeln!(out, "{:<18} {}", "command", words.join(" "))?;
+    }
+    let geometry = walls_of(&found);
+    let trial = bare(path, &geometry)?;
+    let mut scene = Scene::at_start(&trial);
+    let wide = found.wide.iter().map(|ends| Mark {
+        kind: MarkKind::Waypoint,
+        name: format!("gap: {:.2} m", (ends[1] - ends[0]).norm()),
+        corners: ends.to_vec(),
+    });
+    scene.marks = found.gaps.iter().enumerate().map(|(k, gap)| gap_mark(k, gap)).chain(wide).collect();
+    outputs.draw(&scene, &style())?;
+    let done = outputs.persist(|| interrupt.check(), &mut out);
+    let told = print::out().write_all(&out);
+    and_then(done, told.map_err(Into::into))
+}
+
+/// In which units two lines side by side would be walls, and how thick.
+fn units(format: Format, bytes: &[u8], reading: &DrawingArguments) -> String {
+    let in_unit = |(name, metres): (&str, f64)| {
+        let how = Reading { unit: Some(metres), ..reading.how() };
+        let found =
+            Proposal::of(&Drawing::read(format, bytes, &how).ok()?, &reading.walls, None, None).ok()??;
+        let (thickness, _) = *found.thicknesses.first()?;
+        let area = found.areas[0];
+        (area >= 4.0).then(|| format!("{:.0} cm thick in {name}, around {area:.0} m²", 100.0 * thickness))
+    };
+    let all: Vec<String> = UNITS.into_iter().filter_map(in_unit).collect();
+    all.join("; or ")
+}
+
+/// The rims of the ground and what stands in it, as walls; where there is none, walls as they are drawn.
+fn walls_of(found: &Proposal) -> Geometry {
+    let rims = found.ground.iter().map(|rim| rim.iter().chain(rim.first()).copied().collect());
+    let open = if found.ground.is_empty() { &found.drawn } else { &found.open };
+    let all = rims.chain(open.iter().map(|ends| ends.to_vec()));
+    let walls = all.enumerate().map(|(id, corners)| Wall::new(id.to_string(), MATERIAL, corners)).collect();
+    Geometry { dimensions: None, walls }
+}
+
+/// A gap, for the picture: red as an exit if it is a door.
+fn gap_mark(number: usize, gap: &Gap) -> Mark {
+    let kind = if gap.kind() == "door" { MarkKind::Exit } else { MarkKind::Distribution };
+    Mark { kind, name: format!("{} {number}: {:.2} m", gap.kind(), gap.width()), corners: gap.ends.to_vec() }
+}
+
+/// A word of a shell.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./,:=+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+/// Opens what the options name.
+fn pictures(Arguments { output, svg, pdf, png, .. }: &Arguments) -> Result<Outputs> {
+    Outputs::open(&[
+        ("-o", "room", output),
+        ("--svg", "picture", svg),
+        ("--pdf", "picture", pdf),
+        ("--png", "picture", png),
+    ])
+}
+
 pub fn room(arguments: &Arguments) -> Result<()> {
+    if arguments.propose {
+        return propose(arguments);
+    }
     let Arguments { drawing, output, reading, .. } = arguments;
     let kind = output.as_deref().map(written).transpose()?;
-    let mut outputs = Outputs::open(&[
-        ("-o", "room", output),
-        ("--svg", "picture", &arguments.svg),
-        ("--pdf", "picture", &arguments.pdf),
-        ("--png", "picture", &arguments.png),
-    ])?;
+    let mut outputs = pictures(arguments)?;
     let interrupt = Interrupt::watch();
-    let read = reading.read(drawing)?;
+    let mut read = reading.read(drawing)?;
+    for door in &arguments.doors {
+        let named = || format!("{}: --door", drawing.display());
+        if !door.open.is_empty() {
+            bail!(crate::error::Misused(format!(
+                "--door {},{},{}: a door of a drawing has no times: give them to lemons crowd",
+                door.at.x, door.at.y, door.width
+            )));
+        }
+        read.plan.add_door(door).with_context(named)?;
+    }
     let geometry = read.plan.geometry(MATERIAL);
     outputs.draw(&scene_of(&bare(drawing, &geometry)?, &read.plan), &style())?;
     let mut out = Vec::new();

@@ -16,13 +16,18 @@ pub fn started(directory: &Path, arguments: &[&str]) -> Child {
     command(directory, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
-/// Sends a signal to a command as soon as it has begun something. SIGINT would be ignored where the tests are started in
-/// the background of a shell.
-pub fn signalled(mut child: Child, signal: &str, begun: impl Fn() -> bool) -> Output {
+/// Waits until a command has begun something.
+pub fn wait_for(child: &mut Child, begun: impl Fn() -> bool) {
     while !begun() {
         assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
+}
+
+/// Sends a signal to a command as soon as it has begun something. SIGINT would be ignored where the tests are started in
+/// the background of a shell.
+pub fn signalled(mut child: Child, signal: &str, begun: impl Fn() -> bool) -> Output {
+    wait_for(&mut child, begun);
     let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
     assert!(sent.success());
     child.wait_with_output().unwrap()

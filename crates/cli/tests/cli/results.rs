@@ -1,6 +1,6 @@
 //! What `lemons run` writes, stops and goes on with.
 
-use crate::common::{self, default_trial, lemons, names, started};
+use crate::common::{self, default_trial, lemons, names, started, wait_for};
 use lemons_results::Run;
 use std::fs::{self, File};
 use std::io::{Read, Write};
@@ -299,13 +299,11 @@ fn what_another_program_writes_meanwhile_stays_and_the_run_is_told() {
     let begun = || names(at).iter().any(|name| name.starts_with(".lemons-"));
     // The first name is one that a run may replace, if it was there before.
     for (file, other) in [("trajectories.csv", "trajectories-2.csv"), ("x.csv", "x-2.csv")] {
-        let child = started(at, &["run", &trial(), "--until", "3", "-o", file]);
+        let mut child = started(at, &["run", &trial(), "--until", "3", "-o", file]);
+        wait_for(&mut child, begun);
         let send = |signal: &str| {
             assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
         };
-        while !begun() {
-            std::thread::sleep(std::time::Duration::from_millis(1));
-        }
         send("-STOP");
         File::create_new(at.join(file)).unwrap().write_all(b"of another run").unwrap();
         send("-CONT");
@@ -318,11 +316,16 @@ fn what_another_program_writes_meanwhile_stays_and_the_run_is_told() {
         assert!(said.contains(&expected), "{said}");
         assert!(read(at, file) == b"of another run" && read(at, other) == alone);
     }
-    // A Trial, whose files are claimed one by one.
-    let child = started(at, &["crowd", "-n", "400", "--box", "10x10", "-o", "crowd", "--obj", "bodies.obj"]);
-    while !begun() {
-        std::thread::sleep(std::time::Duration::from_millis(1));
+    // What a command itself writes into a directory that it also writes is its own.
+    let into = ["crowd", "-n", "6", "--open", "-o", "T", "--zip", "T/t.zip", "--fmu", "T/t.fmu", "--force"];
+    assert!(lemons(at, &into[..6]).status.success());
+    for _ in 0..2 {
+        said(&lemons(at, &into), 0);
     }
+    // A Trial, whose files are claimed one by one.
+    let mut child =
+        started(at, &["crowd", "-n", "400", "--box", "10x10", "-o", "crowd", "--obj", "bodies.obj"]);
+    wait_for(&mut child, begun);
     fs::create_dir(at.join("crowd")).unwrap();
     fs::write(at.join("crowd/Parameters.xml"), "of another crowd").unwrap();
     let said = said(&child.wait_with_output().unwrap(), 1);

@@ -3,11 +3,11 @@
 
 use crate::files::input;
 use crate::files::temporary::{Scratch, directory_of};
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -66,6 +66,24 @@ pub type Mark = (SystemTime, u64);
 pub fn mark_of(place: &Path) -> Option<Mark> {
     let there = place.metadata().ok().filter(std::fs::Metadata::is_file)?;
     Some((there.modified().ok()?, there.len()))
+}
+
+const MEANWHILE: &str = "another program has written it meanwhile";
+
+/// Locks a directory until it is dropped, or until the process ends: of two who look at a place and then write it, one waits.
+/// `None` where directories cannot be locked, or where somebody holds the lock for long, such as `flock` around a command.
+fn locked(directory: &Path) -> Option<File> {
+    const PAUSE: Duration = Duration::from_millis(5);
+    const MOST_TRIES: u32 = 2000;
+    let opened = File::open(directory).ok()?;
+    for _ in 0..MOST_TRIES {
+        match opened.try_lock() {
+            Ok(()) => return Some(opened),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(PAUSE),
+            Err(TryLockError::Error(_)) => return None,
+        }
+    }
+    None
 }
 
 /// A file that is written beside its place. [`Staged::persist`] moves it there; otherwise it is removed.
@@ -143,20 +161,28 @@ impl Staged {
         if self.failed {
             return Err(io::Error::other("a part of it could not be written"));
         }
-        // The modification time is final once the file is closed.
-        drop(self.file);
-        let Some((temporary, place, before)) = self.temporary else { return Ok(()) };
-        let temporary = match mark_of(&place) {
-            Some(now) if Some(now) == before => return temporary.persist(&place),
-            Some(_) => temporary,
-            None => match temporary.persist_new(&place) {
-                Err((temporary, error)) if error.kind() == ErrorKind::AlreadyExists => temporary,
-                done => return done.map_err(|(_, error)| error),
-            },
-        };
+        let Some((temporary, place)) = self.put()? else { return Ok(()) };
         let free = temporary.persist_beside(&place)?;
         let free = free.display();
-        Err(io::Error::other(format!("another program has written it meanwhile; this result is in {free}")))
+        Err(io::Error::other(format!("{MEANWHILE}; this result is in {free}")))
+    }
+
+    /// Moves the file into its place, and returns it where somebody else has put a file there meanwhile.
+    fn put(self) -> io::Result<Option<(Scratch, PathBuf)>> {
+        // The modification time is final once the file is closed.
+        drop(self.file);
+        let Some((temporary, place, before)) = self.temporary else { return Ok(None) };
+        let _alone = locked(directory_of(&place));
+        match mark_of(&place) {
+            Some(now) if Some(now) == before => temporary.persist(&place).map(|()| None),
+            Some(_) => Ok(Some((temporary, place))),
+            None => match temporary.persist_new(&place) {
+                Err((temporary, error)) if error.kind() == ErrorKind::AlreadyExists => {
+                    Ok(Some((temporary, place)))
+                }
+                done => done.map(|()| None).map_err(|(_, error)| error),
+            },
+        }
     }
 }
 
@@ -224,7 +250,11 @@ pub fn change_all(changes: &[Change]) -> Result<(), WriteError> {
     let mut done: Vec<(&Path, Option<Vec<u8>>)> = Vec::new();
     for (path, new, old) in ready {
         let put = match new {
-            Some(file) => file.persist(),
+            // Of several files, none gets another name.
+            Some(file) => match file.put() {
+                Ok(Some(_)) => Err(io::Error::other(MEANWHILE)),
+                put => put.map(drop),
+            },
             None if old.is_some() => std::fs::remove_file(path),
             None => Ok(()),
         };
@@ -313,6 +343,28 @@ mod tests {
         assert!(asked.persist().is_err());
         assert_eq!((read("asked"), read("asked-2")), ("of another".to_owned(), "new".to_owned()));
         assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 8, "no temporary file is left");
+    }
+
+    /// Who looks at a place while another one, who holds the lock, is about to write it, sees what that one has written.
+    #[test]
+    #[cfg(unix)]
+    fn looking_at_a_place_and_writing_it_are_one() {
+        let directory = TempDir::new().unwrap();
+        let at = directory.path().join("x");
+        std::fs::write(&at, "old").unwrap();
+        let file = staged(&at, b"new").unwrap();
+        let lock = File::open(directory.path()).unwrap();
+        lock.lock().unwrap();
+        std::thread::scope(|scope| {
+            let put = scope.spawn(|| file.persist());
+            // Without a lock it would be there by now.
+            std::thread::sleep(Duration::from_millis(100));
+            assert_eq!(std::fs::read_to_string(&at).unwrap(), "old");
+            std::fs::write(&at, "of another").unwrap();
+            lock.unlock().unwrap();
+            assert!(put.join().unwrap().unwrap_err().to_string().contains("x-2"));
+        });
+        assert_eq!(std::fs::read_to_string(&at).unwrap(), "of another");
     }
 
     #[test]

@@ -2,7 +2,8 @@
 //! some way apart, and a slit between two areas is a wall.
 
 use super::overlay::{Contour, Polygons, contour, parted};
-use super::{Bounds, InPlane, Polygon, Ring, Vec2, nearest_on_segment, sides_that_meet};
+use super::simple::first_beside;
+use super::{Bounds, InPlane, Polygon, Ring, Vec2, nearest_on_segment, segments_cross, sides_that_meet};
 use std::collections::HashMap;
 
 /// \[m\] Corners nearer than this are one, and a side goes through them.
@@ -19,10 +20,13 @@ const STRAIGHT: f64 = 1e-6;
 const SMALLEST: f64 = 1e-6;
 /// Rounds in which sides get corners: each may bring others near.
 const ROUNDS: usize = 4;
+/// How many more places may be where sides cross, with what fills slits: it crosses what it is between, four times.
+const OF_SLITS: usize = 5;
 
 /// Returns what is in any of the areas and in none of the obstacles. Holes of a polygon may overlap, and are no part of
 /// it. Areas that are at most `gap` \[m\] apart along their sides are one; ground that is narrower everywhere is left out.
-/// No ring touches itself. `None` if more than `most` corners are made.
+/// No ring touches itself. `None` if sides cross at more than `most` places, so many corners lie on sides of others, or so
+/// many slits are filled, or what fills them crosses others five times as often: this is counted before polygons are united.
 pub fn ground(areas: &[Polygon], obstacles: &[Polygon], gap: f64, most: usize) -> Option<Vec<Polygon>> {
     let united = united_polygons(areas, gap, most)?;
     let taken = united_polygons(obstacles, SLIT, most)?;
@@ -36,13 +40,14 @@ pub fn ground(areas: &[Polygon], obstacles: &[Polygon], gap: f64, most: usize) -
         let (ground, taken) = rims.split_at(of_ground);
         let slits = slits(ground, Some(taken), SLIT, most)?;
         let taken: Vec<Contour> = contours(taken).into_iter().chain(slits).collect();
+        few_cross(&[contours(ground), taken.clone()].concat(), OF_SLITS * most)?;
         parted(&contours(ground), &taken)
     };
     Some(left.iter().filter_map(|contours| tidied(contours, gap)).collect())
 }
 
 /// Returns the parts of a ring that touches itself, or goes back along a side of its own. `None` if it crosses itself, or
-/// more than `most` corners are made.
+/// more than `most` corners lie on its sides.
 pub fn parts(ring: &Ring, most: usize) -> Option<Vec<Polygon>> {
     let mut rims = vec![Rim::new(ring, true, 0)];
     snap(&mut rims, most)?;
@@ -108,9 +113,8 @@ fn united_polygons(polygons: &[Polygon], gap: f64, most: usize) -> Option<Polygo
     snap(&mut rims, most)?;
     let slits = slits(&rims, None, gap, most)?;
     let all: Vec<Contour> = contours(&rims).into_iter().chain(slits).collect();
-    let left = parted(&all, &[]);
-    let made: usize = left.iter().flatten().map(Vec::len).sum();
-    (made <= 5 * most).then_some(left)
+    few_cross(&all, OF_SLITS * most)?;
+    Some(parted(&all, &[]))
 }
 
 fn holes_are_apart(polygon: &Polygon) -> bool {
@@ -127,7 +131,7 @@ fn holes_are_apart(polygon: &Polygon) -> bool {
 }
 
 /// Puts corners at one place that are nearer to each other than [`SAME`], and gives each side the corners on it: what is
-/// drawn as one side is one then, bit by bit.
+/// drawn as one side is one then, bit by bit. `None` if these are more than `most`, or more sides cross then.
 fn snap(rims: &mut [Rim], most: usize) -> Option<()> {
     let mut places: HashMap<(i64, i64), Vec<Vec2>> = HashMap::new();
     let cell = |at: Vec2| ((at.x / SAME).floor() as i64, (at.y / SAME).floor() as i64);
@@ -146,8 +150,9 @@ fn snap(rims: &mut [Rim], most: usize) -> Option<()> {
     let along = bounds.longer();
     places
         .sort_by(|a, b| along(*a).total_cmp(&along(*b)).then(a.x.total_cmp(&b.x)).then(a.y.total_cmp(&b.y)));
+    let mut inserted = 0;
     for _ in 0..ROUNDS {
-        let mut inserted = 0;
+        let last = inserted;
         for rim in rims.iter_mut() {
             let mut corners = Vec::with_capacity(rim.corners.len());
             for (a, b) in rim.sides() {
@@ -169,7 +174,7 @@ fn snap(rims: &mut [Rim], most: usize) -> Option<()> {
             }
             rim.corners = corners;
         }
-        if inserted == 0 {
+        if inserted == last {
             break;
         }
     }
@@ -179,7 +184,20 @@ fn snap(rims: &mut [Rim], most: usize) -> Option<()> {
             rim.corners.pop();
         }
     }
-    Some(())
+    few_cross(&contours(rims), most)
+}
+
+/// `None` if sides cross at more than `most` places.
+fn few_cross(contours: &[Contour], most: usize) -> Option<()> {
+    let rings = contours.iter().filter_map(super::overlay::ring);
+    let sides: Vec<(Vec2, Vec2)> = rings.flat_map(|ring| ring.sides().collect::<Vec<_>>()).collect();
+    let mut crossings = 0;
+    let are_too_many = |i: usize, j: usize| {
+        let ((a, b), (c, d)) = (sides[i], sides[j]);
+        crossings += usize::from(segments_cross(a, b, c, d));
+        crossings > most
+    };
+    first_beside(&sides, are_too_many).is_none().then_some(())
 }
 
 /// A side, and the polygon that it belongs to.
@@ -403,10 +421,35 @@ mod tests {
             rectangle(sides, 0.3, Vec2::zeros(), 0.0)
         };
         let bars: Vec<Polygon> = (0..60).map(bar).collect();
+        let lying = |count: u32| (0..count).map(|k| bar(2 * k + 1)).collect::<Vec<_>>();
         let crossed = ground(&bars, &[], 0.015, MOST).unwrap();
         let expected = 2.0 * 30.0 * 0.5 * 32.0 - 900.0 * 0.25;
         assert!((area(&crossed) - expected).abs() < 1e-6, "{}", area(&crossed));
-        assert_eq!(ground(&bars, &[], 0.015, 300), None);
+        // Each has four pairs of sides that cross: one more is too many.
+        assert!(ground(&bars, &[], 0.015, 3600).is_some());
+        assert_eq!(ground(&bars, &[], 0.015, 3599), None);
+        // Obstacles across an area, too: its two long sides cross those of 30.
+        assert!(ground(&bars[..1], &lying(30), 0.015, 120).is_some());
+        assert_eq!(ground(&bars[..1], &lying(30), 0.015, 119), None);
+        // 10 rooms on each other beside 10 others: what fills the 200 slits lies over each other.
+        let stacked = |k: u32| {
+            let off = 5e-5 * f64::from(k / 2);
+            let sides = match k % 2 {
+                0 => [-off, off, 5.0 - off, 5.0 + off],
+                _ => [5.001 + off, 0.01 + off, 10.0 + off, 5.01 + off],
+            };
+            rectangle(sides, 0.1, Vec2::zeros(), 0.0)
+        };
+        let stacked: Vec<Polygon> = (0..20).map(stacked).collect();
+        assert!(ground(&stacked[..2], &[], 0.015, MOST).is_some());
+        assert_eq!(ground(&stacked, &[], 0.015, 400), None);
+        // Two combs across each other, of 2400 teeth each, are 23 million: nothing of them is made.
+        let tooth = |k: u32| {
+            [[0.0, 0.0], [0.2, 2400.0], [0.4, 2400.0], [0.6, 0.0]].map(|[x, y]| [x + f64::from(k), y])
+        };
+        let upright: Vec<[f64; 2]> = (0..2400).flat_map(tooth).chain([[2400.0, -1.0], [0.0, -1.0]]).collect();
+        let turned: Vec<[f64; 2]> = upright.iter().map(|[x, y]| [*y, *x]).collect();
+        assert_eq!(ground(&[bare(&upright), bare(&turned)], &[], 0.015, MOST), None);
     }
 
     proptest! {

@@ -1,6 +1,6 @@
 //! Convex hulls.
 
-use crate::plane::{InPlane, Vec2, turn};
+use crate::plane::{InPlane, Vec2, nearest_on_segment, turn};
 use std::f64::consts::FRAC_PI_2;
 
 /// Steps in which the end of a hull on a line is looked for: to the last digits.
@@ -34,6 +34,14 @@ pub fn convex_hull(points: impl IntoIterator<Item = Vec2>) -> Vec<Vec2> {
     let upper = half(&mut points.iter().rev().copied());
     corners.extend(&upper[1..upper.len() - 1]);
     corners
+}
+
+/// Returns whether a body of disks, given by centres and radii \[m\], is on a segment from `a` to `b` \[m\]: a disk touches
+/// it, or it passes between them.
+pub fn body_meets(disks: &[(Vec2, f64)], a: Vec2, b: Vec2) -> bool {
+    let touches =
+        |&(centre, radius): &(Vec2, f64)| (nearest_on_segment(a, b, centre) - centre).norm() < radius;
+    disks.iter().any(touches) || hull_meets(disks, a, b)
 }
 
 /// Returns whether a segment from `a` to `b` \[m\] reaches into the convex hull of disks, given by centres and radii \[m\],
@@ -91,6 +99,10 @@ mod tests {
         assert!(!hull_meets(&disks, vec2(1.08, 0.08), vec2(2.0, 1.0)));
         assert!(!hull_meets(&disks, vec2(0.3, 0.1), vec2(0.6, 0.1)) && !meets(0.5, 0.0, 0.0));
         assert!(!hull_meets(&[], vec2(0.0, 0.0), vec2(1.0, 0.0)));
+        // A body is also on a point within a disk, as a wall may be, but not on one between two.
+        let point = |x: f64| body_meets(&disks, vec2(x, 0.05), vec2(x, 0.05));
+        assert!(point(0.0) && point(1.0) && !point(0.5) && !point(1.2));
+        assert!(body_meets(&disks, vec2(0.5, -3.0), vec2(0.5, 3.0)));
     }
 
     proptest! {

@@ -1,4 +1,4 @@
-//! Unions, intersections and differences of polygons: the one place that calls `i_overlay`, whose generic code takes
+//! Unions, intersections and differences of polygons, and polygons between lines: the one place that calls `i_overlay`, whose generic code takes
 //! seconds to build for each type of number and of polygon.
 //!
 //! Corners are rounded to a grid of 64-bit integers over all contours: better than a nanometre, and the same on every
@@ -8,6 +8,7 @@ use super::{Ring, vec2};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::overlay::{FloatOverlay, OverlayOptions};
+use i_overlay::float::slice::FloatSlice;
 
 /// The corners of a ring \[m\]; the first one is not repeated.
 pub type Contour = Vec<[f64; 2]>;
@@ -60,6 +61,11 @@ fn overlay(
     FloatOverlay::from_subj_and_clip_custom(one, other, options, solver).overlay(rule, fill)
 }
 
+/// Returns the parts into which lines cut what is inside of a contour. Ends of lines within a part are not seen.
+pub fn cut(contour: &Contour, lines: &[Contour]) -> Polygons {
+    contour.slice_by_as::<i64>(&lines.to_vec(), FillRule::NonZero)
+}
+
 /// Returns the corners of a ring.
 pub fn contour(ring: &Ring) -> Contour {
     ring.corners().iter().map(|corner| [corner.x, corner.y]).collect()
@@ -100,5 +106,31 @@ mod tests {
             assert!((found - expected).abs() < 1e-12, "{what}: {found}");
         }
         assert_eq!(union(&[]), Polygons::new());
+    }
+
+    #[test]
+    fn lines_cut_a_square() {
+        let around = square(-1.0, 11.0);
+        let closed = |low, high| {
+            let mut line = square(low, high);
+            line.push(line[0]);
+            line
+        };
+        // A room in a room with a column, a partition with an end that is free, lines that go too far, one in two.
+        let lines = [
+            closed(0.0, 10.0),
+            closed(1.0, 9.0),
+            closed(4.0, 5.0),
+            vec![[1.0, 2.0], [3.0, 2.0]],
+            vec![[7.0, 0.5], [7.0, 9.5]],
+            vec![[8.0, 8.0], [8.5, 8.5]],
+            vec![[4.0, 4.0], [5.0, 5.0]],
+        ];
+        let parts = cut(&around, &lines);
+        let mut areas: Vec<f64> = parts.iter().map(|polygon| area(polygon)).collect();
+        areas.sort_by(f64::total_cmp);
+        let by_hand = [0.5, 0.5, 16.0, 36.0, 144.0 - 100.0, 47.0];
+        assert_eq!(areas.len(), by_hand.len(), "{areas:?}");
+        assert!(areas.iter().zip(by_hand).all(|(a, b)| (a - b).abs() < 1e-9), "{areas:?}");
     }
 }

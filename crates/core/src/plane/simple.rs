@@ -44,7 +44,7 @@ pub fn sides_that_meet(rings: &[Ring]) -> Option<[(usize, usize); 2]> {
 
 /// Returns the first two sides for which `meet` holds, of those that overlap along the longer side of their bounds. No
 /// others can touch.
-fn first_beside(sides: &[Side], mut meet: impl FnMut(usize, usize) -> bool) -> Option<[usize; 2]> {
+pub(super) fn first_beside(sides: &[Side], mut meet: impl FnMut(usize, usize) -> bool) -> Option<[usize; 2]> {
     let along = Bounds::of(sides.iter().map(|side| side.0))?.longer();
     let ends = |(k, (a, b)): (usize, &Side)| (along(*a).min(along(*b)), along(*a).max(along(*b)), k);
     let mut ranges: Vec<(f64, f64, usize)> = sides.iter().enumerate().map(ends).collect();

@@ -15,7 +15,8 @@ use serde::{Deserialize, Serialize};
 /// \[s\] Longest step of the legs' motion.
 const LONGEST: f64 = 0.01;
 
-/// \[s\] In so long legs come to rest under a body that stands still, as it does within a step. Longer ones move them as far.
+/// \[s\] Of a longer step only so much moves legs, so that it ends. A body stands still within a step: at the usual speeds
+/// its legs are at rest under it by then.
 const AT_REST: f64 = 20.0;
 
 /// Constants of the two-level model.

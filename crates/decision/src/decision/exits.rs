@@ -1,7 +1,8 @@
 //! Which exit people take, and when they take another one.
 
-use super::Decision;
+use super::{Agent, Decision};
 use crate::exit_choice::{ExitChoice, Offer, Queues};
+use crate::plan::Door;
 use crate::target::{Destination, Target};
 use lemons_core::plane::{Vec2, vec2};
 
@@ -11,11 +12,18 @@ impl Decision {
     pub(super) fn choose_exits(&mut self, step: f64) {
         let Some(Some(ways)) = self.ways.clone().filter(|_| self.plan.chooses()) else { return };
         let (now, by_time) = (self.time + step, self.plan.exit_choice == ExitChoice::Time);
+        // By distance, once a second and when something opens or closes; a group with its first member.
+        let opens = |exit: &Target| exit.is_open(self.time) != exit.is_open(now);
+        let turns = |door: &Door| door.is_closed(self.time) != door.is_closed(now);
+        let anew = self.plan.targets.iter().any(opens) || self.plan.doors.iter().any(turns);
+        let due = |agent: &mut Agent| !by_time && (agent.choice.is_due(step) || anew);
+        let due: Vec<bool> = self.agents.iter_mut().map(due).collect();
         let here = |i: &usize| !self.agents[*i].left && self.has_started(*i);
         let here: Vec<usize> = (0..self.agents.len()).filter(here).collect();
         for &i in &here {
             let own = self.agents[i].choice.exit;
-            if self.plan.agents[i].destination == Destination::NearestExit && !(by_time && own.is_some()) {
+            let chooses = own.is_none() || due[self.leader(i)];
+            if self.plan.agents[i].destination == Destination::NearestExit && chooses {
                 let nearest = self.nearest_exit(i, now);
                 match (own, nearest) {
                     (Some(_), Some(exit)) => self.change_exit(i, exit),
@@ -40,13 +48,8 @@ impl Decision {
             if !self.agents[i].choice.is_due(step) {
                 continue;
             }
-            let doors: Vec<Vec<(&[[f64; 2]], f64)>> = widths
-                .iter()
-                .map(|(target, _)| {
-                    let doors = ways.doors_to(*target, self.starts_from(i));
-                    doors.map(|(k, far)| (&self.plan.doors[k].open[..], far)).collect()
-                })
-                .collect();
+            let doors: Vec<Vec<_>> =
+                widths.iter().map(|(target, _)| self.doors_on_the_way(i, *target)).collect();
             let offers = widths.iter().zip(&doors).map(|(&(target, width), doors)| {
                 let distance = self.to_go(i, Destination::Target(target));
                 let Target { open, time_factor, .. } = &self.plan.targets[target];
@@ -84,20 +87,27 @@ impl Decision {
         (0..self.plan.targets.len()).filter(|k| !self.plan.targets[*k].stay)
     }
 
-    /// Returns the exit that is nearest on foot, of those that are open at a time \[s\], as are the doors before them; if none is, of all. A group has that
-    /// of its first member.
+    /// Returns the doors on the way of an agent to an exit: when each is open \[s\], and how far it is from there \[m\].
+    fn doors_on_the_way(&self, i: usize, exit: usize) -> Vec<(&[[f64; 2]], f64)> {
+        let doors = self.ways().into_iter().flat_map(|ways| ways.doors_to(exit, self.starts_from(i)));
+        doors.map(|(k, far)| (&self.plan.doors[k].open[..], far)).collect()
+    }
+
+    /// Returns the exit through which an agent is first without queues, at a time \[s\]: the nearest one on foot, if no door
+    /// makes people wait. That an exit will open is known, but not that it will close. If no exit can be reached in time, it
+    /// is the nearest of all. A group has that of its first member.
     pub(super) fn nearest_exit(&self, i: usize, time: f64) -> Option<usize> {
         let i = self.leader(i);
-        let far = |k: &usize| self.to_go(i, Destination::Target(*k));
-        let nearest = |wanted: &dyn Fn(&usize) -> bool| {
-            self.exits().filter(wanted).min_by(|a, b| far(a).total_cmp(&far(b)))
-        };
-        let is_passable = |k: &usize| {
-            let mut doors = self.ways().into_iter().flat_map(|ways| ways.doors_to(*k, self.starts_from(i)));
-            self.plan.targets[*k].is_open(time)
-                && doors.all(|(door, _)| !self.plan.doors[door].is_closed(time))
-        };
-        nearest(&is_passable).or_else(|| nearest(&|_| true))
+        let by_each = self.exits().map(|target| {
+            let distance = self.to_go(i, Destination::Target(target));
+            let (exit, doors) = (&self.plan.targets[target], self.doors_on_the_way(i, target));
+            let open = if exit.is_open(time) { &[][..] } else { &exit.open[..] };
+            let offer =
+                Offer { target, distance, width: f64::INFINITY, open, doors: &doors, time_factor: 1.0 };
+            (target, offer.time(self.agents[i].walker.desired_speed, time, 0.0), distance)
+        });
+        let first = by_each.min_by(|a, b| a.1.total_cmp(&b.1).then(a.2.total_cmp(&b.2)));
+        first.map(|(target, ..)| target)
     }
 
     /// \[m\] Where the way of an agent to an exit begins: at its last way-point, if there is one ahead.

@@ -145,3 +145,19 @@ fn states_with_impossible_numbers_or_of_another_plan_are_refused() {
     assert!(decision.restore(&other).unwrap_err().message.contains("another plan"));
     decision.restore(&good).unwrap();
 }
+
+#[test]
+fn who_insists_keeps_turned_shoulders() {
+    let mut decision = decision("model = \"rotational\"\nwaypoints = [{ x = 5, y = 0 }]");
+    // Close to the other one.
+    decision.set(Quantity::Position, 2, 0.5, Phase::StepComplete);
+    decision.set(Quantity::Position, 3, 0.3, Phase::StepComplete);
+    let (way, speed) = decision.goes(0).unwrap();
+    let turned = decision.intent(0).facing.unwrap();
+    assert!(turned.dot(&way) < 0.9, "{turned}");
+    let stuck = &mut decision.agents[0].stuck;
+    while !matches!(stuck.action(way, speed), StuckAction::Insist(_)) {
+        stuck.follow(1.0, Vec2::zeros(), Some((way, speed)), 0, 0);
+    }
+    assert_eq!(decision.intent(0).facing, Some(turned));
+}

@@ -4,6 +4,7 @@ use crate::*;
 use lemons_core::plane::{Bounds, Vec2, vec2};
 use lemons_core::trial::Wall;
 use lemons_picture::{DENSITY_KERNEL, DensityMap};
+use lemons_results::measure::Exposure;
 
 #[test]
 fn a_pulse_gives_its_momentum_to_those_in_the_circle() {
@@ -31,6 +32,23 @@ fn a_pulse_gives_its_momentum_to_those_in_the_circle() {
     let short = show(crowd(1, square(20.0, 20.0)), json!({"kind": "push", "pushes": [short]}));
     let (shown, _) = ok(&mut lab, short);
     assert!(shown["notes"][0].as_str().unwrap().contains("are not applied"), "{}", shown["notes"]);
+}
+
+/// A crowd that was made with a speed has a propulsion, which ends as a push begins.
+#[test]
+fn who_is_pushed_walks_no_more() {
+    let mut lab = Lab::default();
+    let base = with(with(crowd(1, square(20.0, 20.0)), "speed", json!(1.0)), "direction", json!(0.0));
+    let (_, first) = ok(&mut lab, own(base.clone()));
+    let first = numbers(&first);
+    let (_, walked) = ok(&mut lab, advance(1, 20));
+    assert!(numbers(&walked)[19 * COLUMNS] > first[0] + 0.05, "it walks without a push");
+    let push = json!({"at": &first[..2], "radius": 0.1, "direction": 90, "force": 100.0, "start": 0.0, "duration": 0.1});
+    let (_, at) = ok(&mut lab, show(base, json!({"kind": "push", "pushes": [push]})));
+    let at = numbers(&at);
+    let (_, pushed) = ok(&mut lab, advance(2, 20));
+    let [x, y] = [0, 1].map(|k| numbers(&pushed)[19 * COLUMNS + k] - at[k]);
+    assert!(x.abs() < 1e-12 && y > 0.0, "({x}, {y})");
 }
 
 #[test]
@@ -233,4 +251,54 @@ fn a_map_has_the_numbers_of_plots_and_goes_on() {
         refused(&mut lab, json!({"ask": "map", "run": 99, "of": "density", "fresh": true}), &one)
             .contains("over")
     );
+}
+
+/// Two people, of whom one is pressed with 800 N from 2 to 2.5 s and from 4 to 5 s, and one has left after 2.5 s, pressed with
+/// 400 N since 2 s. Means over a second are above 300 N from 2.375 to 3.125 s and from 4.375 to 5.625 s; those of the other
+/// from 2.75 s on, but who has left does not count.
+#[test]
+fn time_above_a_limit_is_that_of_the_library() {
+    let mut lab = Lab::default();
+    let step = 0.05;
+    let frames: Vec<[f64; 2]> = (0..=160_u32)
+        .map(|k| match k {
+            41..=50 => [800.0, 400.0],
+            81..=100 => [800.0, f64::NAN],
+            _ if k > 50 => [0.0, f64::NAN],
+            _ => [0.0, 0.0],
+        })
+        .collect();
+    let bytes =
+        |frames: &[[f64; 2]]| frames.concat().into_iter().flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
+    let asked = |from: usize, limit: f64, over: f64| json!({"ask": "limit", "number": 1, "people": 2, "step": step, "limit": limit, "over": over, "from": from});
+    let (nothing, _) = ok_of(&mut lab, asked(0, 300.0, 1.0), &bytes(&frames[..20]));
+    assert!(nothing["above"].is_null(), "shorter than the mean: {nothing}");
+    let (half, _) = ok_of(&mut lab, asked(20, 300.0, 1.0), &bytes(&frames[20..55]));
+    assert_eq!(half["above"]["people"], 1);
+    let (seen, _) = ok_of(&mut lab, asked(55, 300.0, 1.0), &bytes(&frames[55..]));
+    let seen = &seen["above"];
+    let number = |name: &str| seen[name].as_f64().unwrap();
+    for (name, expected) in
+        [("people", 1.0), ("first", 2.375), ("who", 0.0), ("longest", 1.25), ("time", 2.0)]
+    {
+        assert!(close(number(name), expected, 1e-9), "{name}: {seen}");
+    }
+    // The same to the bit as of a library that gets all at once.
+    let mut exposure = Exposure::new(2, &[300.0], Some(1.0));
+    for (k, frame) in frames.iter().enumerate() {
+        let squeeze = frame.map(|squeeze| squeeze.is_finite().then_some((squeeze, squeeze)));
+        exposure.add(k as f64 * step, squeeze.into_iter());
+    }
+    let one = exposure.finish()[0].above[0].unwrap();
+    assert_eq!(
+        [number("first"), number("longest"), number("time")],
+        [one.first.unwrap(), one.longest, one.time]
+    );
+    // Frames that are not the next ones, or of another limit.
+    for (from, limit) in [(160, 300.0), (161, 200.0)] {
+        assert!(refused(&mut lab, asked(from, limit, 1.0), &bytes(&frames[..1])).contains("begin anew"));
+    }
+    let (long, _) = ok_of(&mut lab, asked(0, 300.0, 0.01), &bytes(&frames));
+    assert!(long["above"].is_null(), "a step is longer than the mean: {long}");
+    assert!(refused(&mut lab, asked(0, 300.0, 1.0), &[0; 8]).contains("not frames of 2 people"));
 }

@@ -1,9 +1,10 @@
 //! Walls around what people can walk on: areas that meet, united, without obstacles.
 
+use super::Line;
 use super::join::SAME;
 use super::plan::{MOST_CORNERS, Role, corners};
-use super::{Line, some_of};
 use crate::error::{PeopleError, Result, require};
+use lemons_core::plane::overlay::{self, Contour, Fill, contour, difference};
 use lemons_core::plane::{Polygon, Ring, Vec2, ground, parts, sides_that_meet};
 
 /// \[m\] Areas that are no further apart along their sides are one. Corners that are rounded to a centimetre are up to
@@ -19,7 +20,7 @@ pub(super) struct Areas {
     pub within: Vec<String>,
 }
 
-/// Largest number of corners that are made where areas meet.
+/// Largest number of places where sides of areas cross, of corners on sides, and of slits between them.
 const MOST_MADE: usize = 2 * MOST_CORNERS;
 
 /// A polygon, and what it is.
@@ -35,7 +36,7 @@ struct Drawn {
 pub(super) fn areas(lines: Vec<Line>) -> Result<Areas> {
     let is_ring = |line: &Line| line.closed && line.corners.len() > 2;
     let (closed, open): (Vec<Line>, Vec<Line>) =
-        lines.into_iter().partition(|line| is_ring(line) && (line.ground || Role::of(&line.layer).is_some()));
+        lines.into_iter().partition(|line| is_ring(line) && (line.ground || line.role.is_some()));
     let number: usize = closed.iter().map(|line| line.corners.len()).sum();
     require(number <= MOST_CORNERS, || {
         format!(
@@ -51,7 +52,6 @@ pub(super) fn areas(lines: Vec<Line>) -> Result<Areas> {
         walls.extend(rings.iter().map(|ring| ring.closed().to_vec()));
     } else {
         let drawn = polygons(&closed, &rings)?;
-        found.within = within(&drawn);
         let of = |areas: bool| -> Vec<Polygon> {
             let these = drawn.iter().filter(|drawn| drawn.is_area == areas);
             these.map(|drawn| drawn.polygon.clone()).collect()
@@ -61,6 +61,7 @@ pub(super) fn areas(lines: Vec<Line>) -> Result<Areas> {
             PeopleError::new("walkable areas and obstacles lie on each other at too many places".to_owned())
         })?;
         let rings = || left.iter().flat_map(Polygon::rings);
+        found.within = within(&drawn);
         found.ground = Some(left.iter().map(Polygon::area).sum());
         walls.extend(rings().map(|ring| ring.closed().to_vec()));
     }
@@ -80,7 +81,7 @@ fn cleaned(corners: &[Vec2]) -> Vec<Vec2> {
 }
 
 fn is_area(line: &Line) -> bool {
-    line.ground || Role::of(&line.layer).is_some_and(|(role, _)| role == Role::WalkableArea)
+    line.ground || line.has(Role::WalkableArea)
 }
 
 /// Whether one area at most is there, and its holes and all obstacles lie side by side in it.
@@ -131,25 +132,27 @@ fn polygons(closed: &[Line], rings: &[Ring]) -> Result<Vec<Drawn>> {
     Ok(drawn)
 }
 
-/// Names the polygons of well-known text that lie within another one. They may be meant as obstacles.
+/// Names the polygons of well-known text that lie within another one, but for the width of a line. They may be meant as
+/// obstacles. Rims that cross are few where the ground of all was found.
 fn within(drawn: &[Drawn]) -> Vec<String> {
-    let is_within = |k: usize| {
-        let (own, ring) = (&drawn[k], &drawn[k].polygon.outer);
+    let is_within = |own: &Drawn| {
+        let ring = &own.polygon.outer;
         let (bounds, area) = (ring.bounds(), ring.area());
-        own.ground
-            && drawn.iter().enumerate().any(|(other, around)| {
-                let outer = &around.polygon.outer;
-                let holds =
-                    |corner: &Vec2| outer.bounds().contains(*corner) && around.polygon.contains(*corner);
-                other != k
-                    && around.ground
-                    && outer.bounds().meets(&bounds)
-                    && outer.area() > area
-                    && ring.corners().iter().all(holds)
-                    && !outer.touches(ring)
-            })
+        let is_around = |around: &&Drawn| {
+            let outer = &around.polygon.outer;
+            let of = outer.bounds().grown(TOUCH);
+            around.ground && outer.area() > area && of.contains(bounds.low) && of.contains(bounds.high)
+        };
+        let on_or_in =
+            |outer: &Ring, corner: &Vec2| outer.contains(*corner) || outer.nearest(*corner).distance <= TOUCH;
+        drawn.iter().filter(is_around).any(|Drawn { polygon: around, .. }| {
+            let beyond = || {
+                let rings: Vec<Contour> = around.rings().map(contour).collect();
+                difference(&[contour(ring)], &rings, Fill::EvenOdd)
+            };
+            ring.corners().iter().all(|corner| on_or_in(&around.outer, corner))
+                && beyond().iter().map(|left| overlay::area(left)).sum::<f64>() <= TOUCH * bounds.size().sum()
+        })
     };
-    let names: Vec<String> =
-        (0..drawn.len()).filter(|k| is_within(*k)).map(|k| drawn[k].entity.clone()).collect();
-    if names.is_empty() { names } else { vec![some_of(&names)] }
+    drawn.iter().filter(|own| own.ground && is_within(own)).map(|own| own.entity.clone()).collect()
 }

@@ -121,6 +121,7 @@ mod tests {
     fn line(corners: &[[f64; 2]]) -> Line {
         Line {
             layer: String::new(),
+            role: None,
             name: None,
             entity: String::new(),
             corners: corners.iter().map(|at| Vec2::from(*at)).collect(),

@@ -1,7 +1,7 @@
 //! DXF as text -> lines. The file is a list of pairs, each a group code and a value on a line of its own.
 
 use super::curve::{Affine, Arc, Spline, sweep};
-use super::{Line, MOST_LETTERS, Reading, Tracer, UnitFrom, check_name};
+use super::{Line, MOST_LETTERS, Reading, Role, Tracer, UnitFrom, check_name};
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::{InPlane, Vec2, vec2};
 use std::borrow::Cow;
@@ -413,7 +413,17 @@ impl<'f> Walk<'f, '_> {
                 .leave_out(&layer, &format!("width of {width:.3} m of a {kind}: its middle line is taken"));
         }
         let entity = format!("{kind} in line {}", entity.line());
-        self.tracer.take(Line { layer, name: None, entity, corners, closed, hole: false, ground: false })
+        let role = Role::of(&layer);
+        self.tracer.take(Line {
+            layer,
+            role,
+            name: None,
+            entity,
+            corners,
+            closed,
+            hole: false,
+            ground: false,
+        })
     }
 
     fn insert(&mut self, entity: Entity<'f>, into: &Affine, layer: &str, depth: usize) -> Result<()> {

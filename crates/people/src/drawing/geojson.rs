@@ -104,11 +104,15 @@ impl Walk<'_> {
         for name in texts.into_iter().flatten() {
             check_name(name).map_err(|error| PeopleError::new(format!("{at}: {error}")))?;
         }
-        let with_role = texts.into_iter().flatten().find(|text| Role::of(text).is_some());
+        // Only the name of a layer has something before it; the others are free text.
+        let of: [fn(&str) -> Option<(Role, String)>; 3] = [Role::of, Role::of_name, Role::of_name];
+        let mut roles = texts.into_iter().zip(of).filter_map(|(text, of)| Some((text?, of(text?)?)));
+        let (with_role, role) = roles.next().unzip();
         let layer = with_role.or(texts.into_iter().flatten().next()).unwrap_or("").to_owned();
         let name = texts[1].filter(|name| *name != layer).map(str::to_owned);
         self.tracer.take(Line {
             layer,
+            role,
             name,
             entity: format!("{kind} at {at}"),
             corners,

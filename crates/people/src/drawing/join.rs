@@ -1,7 +1,6 @@
 //! Ends of lines that meet, joined; lines that are drawn twice, left out.
 
 use super::Line;
-use super::plan::Role;
 use crate::error::{Result, require};
 use lemons_core::plane::Vec2;
 use std::collections::{HashMap, HashSet};
@@ -240,7 +239,7 @@ pub(super) fn without_doubles(lines: Vec<Line>, areas: bool) -> (Vec<Line>, usiz
         sides.sort_unstable();
         // Polygons with the same rim may have other holes.
         let has_holes = line.hole || lines.get(k + 1).is_some_and(|next| next.hole);
-        keep[k] = has_holes || same.insert((Role::of(&line.layer).map(|(role, _)| role), line.hole, sides));
+        keep[k] = has_holes || same.insert((line.role.as_ref().map(|(role, _)| *role), line.hole, sides));
     }
     for k in order {
         let there = pieces[k].iter().filter(|piece| known.contains(*piece)).count();

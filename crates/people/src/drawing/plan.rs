@@ -3,11 +3,12 @@
 use super::areas::{Areas, areas};
 use super::collinear::without_overlaps;
 use super::join::{Joined, join, without_doubles};
+use super::proposal::{self, Enclosing};
 use super::{Drawing, Line, some_of};
 use crate::error::{PeopleError, Result, require};
 use crate::placing::{FARTHEST, Region};
 use crate::{Door, closed_walls, is_closed};
-use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
+use lemons_core::plane::{Bounds, Ring, Vec2, nearest_on_segment, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -59,20 +60,25 @@ const SINGULARS: [(&str, Role); 4] = [
 ];
 
 impl Role {
-    /// Returns the role that a layer's name says, in any case, and the rest of the name. Singular words are meant only
-    /// alone, or before a number: a layer of exit signs has no exits. What drawings in drawings put before a name is passed
-    /// over (`plan$0$exits-0`, `plan|exits-0`, `0 - exits-0`), and so is `jps-` of JuPedSim, all of whose layers have one.
+    /// Returns the role that the name of a layer of a CAD program says, as [`Role::of_name`]. What drawings in drawings put
+    /// before a name is passed over: `plan$0$exits-0`, `plan|exits-0`, and of numbers `0 - exits-0`.
     pub fn of(layer: &str) -> Option<(Role, String)> {
         const BEFORE: [&str; 6] = ["$", "|", "::", "/", "\\", " - "];
         let layer = layer.trim();
-        let ends = BEFORE.iter().flat_map(|sign| layer.match_indices(sign).map(|(at, sign)| at + sign.len()));
-        let mut begins: Vec<usize> = std::iter::once(0).chain(ends).collect();
+        let is_number = |before: &str| before.trim().bytes().all(|byte| byte.is_ascii_digit());
+        let ends = BEFORE.iter().flat_map(|sign| layer.match_indices(sign));
+        let ends = ends.filter(|(at, sign)| *sign != " - " || is_number(&layer[..*at]));
+        let mut begins: Vec<usize> =
+            std::iter::once(0).chain(ends.map(|(at, sign)| at + sign.len())).collect();
         begins.sort_unstable();
-        begins.into_iter().find_map(|begin| Role::of_own(layer[begin..].trim()))
+        begins.into_iter().find_map(|begin| Role::of_name(&layer[begin..]))
     }
 
-    /// The role of a name with nothing but JuPedSim's sign before it.
-    fn of_own(layer: &str) -> Option<(Role, String)> {
+    /// Returns the role that a name says, in any case, and the rest of the name. Singular words are meant only alone, or
+    /// before a number: a layer of exit signs has no exits. `jps-` of JuPedSim, all of whose layers have a role, may be
+    /// before it.
+    pub(super) fn of_name(layer: &str) -> Option<(Role, String)> {
+        let layer = layer.trim();
         // The longer ones as in example drawings of JuPedSim of 2023.
         let sign = ["jps-", "jps_", "jps ", "jupedsim_", "jupedsim-"]
             .into_iter()
@@ -116,6 +122,8 @@ pub struct Settings {
     pub to_origin: bool,
     /// Layers whose lines are walls, where none is named as a walkable area; empty: all.
     pub walls: Vec<String>,
+    /// Whether the room is what walls enclose, two lines side by side being one wall.
+    pub enclosing: Option<Enclosing>,
 }
 
 /// A place with a name.
@@ -191,9 +199,7 @@ pub struct Plan {
     pub origin: Vec2,
     /// What was left out: layer and kind, with the number of each.
     pub left_out: BTreeMap<(String, String), usize>,
-    /// Whether outlines and obstacles met, and what people can walk on was calculated.
-    pub united: bool,
-    /// \[m²\] What was calculated.
+    /// \[m²\] What people can walk on, of all areas, where outlines and obstacles met and it was calculated.
     pub ground: Option<f64>,
     /// What is drawn as ground, and lies within other ground.
     pub within: Vec<String>,
@@ -205,10 +211,13 @@ impl Plan {
     /// # Errors
     /// There are no walls, or an area crosses itself.
     pub fn of(drawing: Drawing, settings: &Settings) -> Result<Plan> {
-        let Drawing { lines, mut left_out, .. } = drawing;
+        let Drawing { mut lines, mut left_out, .. } = drawing;
         check_layers(&settings.walls, &lines, &left_out)?;
-        let of_role: Vec<Option<(Role, String)>> = lines.iter().map(|line| Role::of(&line.layer)).collect();
-        let says = |role: Role| of_role.iter().flatten().any(|(of, _)| *of == role);
+        let mut mended = Vec::new();
+        if let Some(how) = &settings.enclosing {
+            (lines, mended) = proposal::taken(lines, &settings.walls, settings.close, how)?;
+        }
+        let says = |role: Role| lines.iter().any(|line| line.has(role));
         let named_areas = says(Role::WalkableArea) || says(Role::Obstacle);
         let has_areas = named_areas || lines.iter().any(|line| line.ground);
         let (mut walls, mut places) = (Vec::new(), BTreeMap::<Role, Vec<(String, Line)>>::new());
@@ -216,10 +225,11 @@ impl Plan {
             let kind = line.entity.split(" in line").next().unwrap_or("").split(" at ").next().unwrap_or("");
             *left_out.entry((line.layer.clone(), format!("{kind}{why}"))).or_default() += 1;
         };
-        for (line, role) in lines.into_iter().zip(of_role) {
-            match role {
+        for line in lines {
+            match &line.role {
                 Some((role @ (Role::Exit | Role::Distribution | Role::Waypoint), name)) => {
-                    places.entry(role).or_default().push((line.name.clone().unwrap_or(name), line));
+                    let (role, name) = (*role, line.name.as_ref().unwrap_or(name).clone());
+                    places.entry(role).or_default().push((name, line));
                 }
                 Some((Role::Unused, _)) => leave_out(&line, " (of JuPedSim, not used)"),
                 None if named_areas => leave_out(&line, " (layer without a meaning)"),
@@ -244,6 +254,8 @@ impl Plan {
             (walls, joined.left) = (again, rest.left);
         }
         let doubles = doubles + overlaps;
+        joined.gaps += mended.len();
+        joined.largest = mended.into_iter().fold(joined.largest, f64::max);
         let named = |role: Role, enough: usize, closed: bool, leave_out: &mut dyn FnMut(&Line, &str)| {
             let lines = places.get(&role).into_iter().flatten();
             let used = lines.filter(|(_, line)| {
@@ -281,7 +293,6 @@ impl Plan {
             on_others,
             origin: Vec2::zeros(),
             left_out,
-            united: ground.is_some(),
             ground,
             within,
         };
@@ -360,7 +371,6 @@ impl Plan {
             on_others: 0,
             origin: Vec2::zeros(),
             left_out: BTreeMap::new(),
-            united: false,
             ground: None,
             within: Vec::new(),
         };
@@ -384,6 +394,29 @@ impl Plan {
         let exits = self.exits.iter().enumerate().filter(|(_, exit)| on_a_wall(&exit.corners));
         let door = |line: &[Vec2]| Door::new((line[0] + line[1]) * 0.5, (line[1] - line[0]).norm());
         exits.map(|(k, exit)| (k, door(&exit.corners))).filter(|(_, door)| door.width > 0.0).collect()
+    }
+
+    /// Adds an exit where a door is: the part of the nearest closed wall that it takes, which [`Plan::doors`] finds.
+    ///
+    /// # Errors
+    /// There is no closed wall, it is further away than the door is wide, or the door goes round a corner.
+    pub fn add_door(&mut self, door: &Door) -> Result<()> {
+        let closed = closed_walls(&self.geometry(""));
+        let ([x, y], width) = (<[f64; 2]>::from(door.at), door.width);
+        let far = closed.iter().map(|wall| wall.nearest(door.at).distance).fold(f64::INFINITY, f64::min);
+        require(far <= width, || format!("door {x},{y},{width}: no closed wall is within {width} m"))?;
+        let course = door.course(&closed);
+        let ends = course.first().zip(course.last()).map(|(from, to)| [*from, *to]);
+        let straight = |[from, to]: &[Vec2; 2]| {
+            course.iter().all(|at| (nearest_on_segment(*from, *to, *at) - at).norm() <= ON_A_WALL)
+        };
+        let line = ends.filter(straight).ok_or_else(|| {
+            PeopleError::new(format!("door {x},{y},{width}: it goes round a corner of its wall"))
+        })?;
+        let name =
+            (1..).map(|k| format!("door {k}")).find(|name| !self.exits.iter().any(|exit| exit.name == *name));
+        self.exits.push(Place { name: name.unwrap_or_default(), corners: line.to_vec() });
+        Ok(())
     }
 
     /// Returns the numbers of the exits that lie inside a closed wall, and are no doors: who leaves there is still in the room.

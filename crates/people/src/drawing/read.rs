@@ -1,8 +1,9 @@
 //! A drawing that was read, and what is said of it.
 
 use super::areas::TOUCH;
+use super::proposal;
 use super::{
-    Drawing, Format, Place, Plan, PlanSettings, Reading, Role, UNITS, UnitFrom, WIDEST_GAP, left_out,
+    Drawing, Format, Place, Plan, PlanSettings, Reading, Role, UNITS, UnitFrom, WIDEST_GAP, left_out, some_of,
 };
 use crate::error::Result;
 use crate::is_closed;
@@ -10,9 +11,10 @@ use crate::placing::FARTHEST;
 use lemons_core::plane::{Bounds, Vec2};
 use std::collections::BTreeMap;
 
-/// \[m\] Longer side of the smallest room, and of the largest, whose unit is not doubted.
+/// \[m\] Longer side of the smallest room, and of the largest, whose unit is not doubted. A small hall in millimetres that
+/// is read in metres is larger.
 const SMALLEST: f64 = 1.0;
-const LARGEST: f64 = 20_000.0;
+const LARGEST: f64 = 3_000.0;
 /// More kinds of what is left out are only counted.
 const MOST_LEFT_OUT: usize = 100;
 
@@ -23,6 +25,8 @@ pub struct Read {
     pub plan: Plan,
     /// Layers without a meaning, of which [`PlanSettings::walls`] can choose; none where others have one.
     pub layers: Vec<String>,
+    /// Why the outline may not be the room; none where nothing speaks against it, or somebody has said what it is.
+    pub doubt: Option<String>,
     format: Format,
     unit: f64,
     unit_from: UnitFrom,
@@ -48,16 +52,18 @@ impl Read {
         let &Drawing { unit, unit_from, curves, .. } = &drawing;
         let mut layers: BTreeMap<String, Option<Role>> = BTreeMap::new();
         for line in &drawing.lines {
-            layers.entry(line.layer.clone()).or_insert_with(|| Role::of(&line.layer).map(|(role, _)| role));
+            layers.entry(line.layer.clone()).or_insert_with(|| line.role.as_ref().map(|(role, _)| *role));
         }
-        let is_area = |role: &Option<Role>| matches!(role, Some(Role::WalkableArea | Role::Obstacle));
-        if layers.values().any(is_area) {
+        let has_areas = layers.values().any(|role| matches!(role, Some(Role::WalkableArea | Role::Obstacle)));
+        if has_areas {
             layers.clear();
         }
         let (deviation, close) = (reading.deviation, settings.close);
         let plan = Plan::of(drawing, settings)?;
+        let is_said = settings.enclosing.is_some() || has_areas || plan.ground.is_some();
+        let doubt = (!is_said).then(|| proposal::doubt(&plan)).flatten();
         let layers = layers.into_iter().filter(|(_, role)| role.is_none()).map(|(layer, _)| layer).collect();
-        Ok(Read { plan, layers, format, unit, unit_from, curves, deviation, close })
+        Ok(Read { plan, layers, doubt, format, unit, unit_from, curves, deviation, close })
     }
 
     /// Says what was understood, a line each: what, and how much of it. `name` is the drawing's.
@@ -84,12 +90,26 @@ impl Read {
         }
         said.push(("walls", self.walls()));
         if let Some(area) = plan.area() {
-            said.push(("ground", format!("{area:.3} m² within the outline, without obstacles")));
+            let of = if plan.ground.is_some() { "of all areas" } else { "within the outline" };
+            said.push(("ground", format!("{area:.3} m² {of}, without obstacles")));
         }
-        for names in &plan.within {
-            let advice = "an obstacle is a hole of the polygon that it stands in";
-            said.push(("warning", format!("{names}: within another polygon, and ground as it is; {advice}")));
+        let names = some_of(&plan.within);
+        match plan.within.len() {
+            0 => {}
+            1 => said.push((
+                "warning",
+                format!(
+                    "{names} lies within another polygon and is counted as floor; if it is an obstacle, draw it as a hole"
+                ),
+            )),
+            _ => said.push((
+                "warning",
+                format!(
+                    "{names} lie within other polygons and are counted as floor; if they are obstacles, draw them as holes"
+                ),
+            )),
         }
+        said.extend(self.doubt.clone().map(|doubt| ("in doubt", doubt)));
         self.changes(&mut said);
         let named = |places: &[Place]| {
             // Names may hold anything.
@@ -160,7 +180,7 @@ impl Read {
 
     /// What is other than in the drawing.
     fn changes(&self, said: &mut Vec<(&'static str, String)>) {
-        let Plan { joined, doubles, on_others, united, .. } = &self.plan;
+        let Plan { joined, doubles, on_others, ground, .. } = &self.plan;
         if self.curves > 0 {
             said.push((
                 "curves",
@@ -194,7 +214,7 @@ impl Read {
                 format!("{on_others} pieces of walls lie on other walls, and push twice"),
             ));
         }
-        if *united {
+        if ground.is_some() {
             said.push((
                 "united",
                 format!(

@@ -15,7 +15,7 @@ use svgtypes::{
 
 const LARGEST: usize = 16_000_000;
 const MOST_NODES: u32 = 1_000_000;
-/// Largest number of corners of a path with parts in each other: some of it takes the square of this.
+/// Largest number of corners of all paths of several parts: some of it takes the square of this.
 const MOST_OF_PARTS: usize = 10_000;
 /// More elements within each other are a mistake.
 const DEEPEST: usize = 100;
@@ -61,9 +61,9 @@ pub(super) fn read(bytes: &[u8], reading: &Reading) -> Result<Tracer> {
             side("width").zip(side("height")).map(|(w, h)| vec2(w, h))
         }
     };
-    let mut walk = Walk { tracer: &mut tracer, by_id, viewport };
+    let mut walk = Walk { tracer: &mut tracer, by_id, viewport, of_parts: 0 };
     for element in root.elements() {
-        walk.element(element, &into, Layer::default(), 0)?;
+        walk.element(element, &into, Layer { name: "", role: None, filled: Filled::BLACK }, 0)?;
     }
     Ok(tracer)
 }
@@ -155,12 +155,49 @@ fn length(element: Element, attribute: &str, otherwise: f64) -> Result<f64> {
 }
 
 /// Names of an element, or of groups around it.
-#[derive(Default, Clone, Copy)]
+#[derive(Clone, Copy)]
 struct Layer<'a> {
     name: &'a str,
-    has_role: bool,
+    /// What the name says that it is.
+    role: Option<Role>,
+    filled: Filled,
+}
+
+/// How what is inside of a path is drawn. Groups say each by itself.
+#[derive(Clone, Copy)]
+struct Filled {
+    none: bool,
     /// Whether parts of a path within its parts are holes, wherever they go round.
     even_odd: bool,
+}
+
+impl Filled {
+    const BLACK: Filled = Filled { none: false, even_odd: false };
+
+    /// As an element in this one says it.
+    fn within(self, element: Element) -> Filled {
+        let style = element.optional("style").unwrap_or("");
+        let styled = |name: &str| {
+            let mut parts = style.rsplit(';').filter_map(|part| part.split_once(':'));
+            parts.find(|(key, _)| key.trim() == name).map(|(_, value)| value.trim())
+        };
+        let said = |name: &str| styled(name).or(element.optional(name).map(str::trim));
+        let none = match said("fill") {
+            None | Some("inherit") => self.none,
+            Some(paint) => paint == "none",
+        };
+        let even_odd = match said("fill-rule") {
+            Some("evenodd") => true,
+            Some("nonzero") => false,
+            _ => self.even_odd,
+        };
+        Filled { none, even_odd }
+    }
+
+    /// Of what is not filled, all lines are seen.
+    fn has_holes(self) -> bool {
+        self.none || self.even_odd
+    }
 }
 
 impl<'a> Layer<'a> {
@@ -169,30 +206,22 @@ impl<'a> Layer<'a> {
             element.attributes().find(|attribute| attribute.name() == "label").map(|label| label.value());
         let names = label.into_iter().chain(element.optional("id"));
         let mut names = names.chain(element.optional("class").into_iter().flat_map(str::split_whitespace));
-        let even_odd = self.even_odd_of(element);
-        if let Some(name) = names.clone().find(|name| Role::of(name).is_some()) {
-            return Layer { name, has_role: true, even_odd };
+        let filled = self.filled.within(element);
+        let with_role = names.clone().find_map(|name| Some((name, Role::of_name(name)?.0)));
+        if let Some((name, role)) = with_role {
+            return Layer { name, role: Some(role), filled };
         }
         let is_group = element.name() == "g";
         match names.next() {
-            Some(name) if is_group && !self.has_role => Layer { name, has_role: false, even_odd },
-            _ => Layer { even_odd, ..self },
+            Some(name) if is_group && self.role.is_none() => Layer { name, role: None, filled },
+            _ => Layer { filled, ..self },
         }
     }
 
-    /// Says it as the element does; of what is not filled, all lines are seen.
-    fn even_odd_of(self, element: Element) -> bool {
-        let style = element.optional("style").unwrap_or("");
-        let styled = |name: &str| {
-            let mut parts = style.split(';').filter_map(|part| part.split_once(':'));
-            parts.find(|(key, _)| key.trim() == name).map(|(_, value)| value.trim())
-        };
-        let said = |name: &str| styled(name).or(element.optional(name).map(str::trim));
-        match (said("fill"), said("fill-rule")) {
-            (Some("none"), _) | (_, Some("evenodd")) => true,
-            (_, Some("nonzero")) => false,
-            _ => self.even_odd,
-        }
+    /// Whether filling closes what is not closed. Exits may be lines, though nobody says that they are not filled.
+    fn closes(self) -> bool {
+        !self.filled.none
+            && matches!(self.role, Some(Role::WalkableArea | Role::Obstacle | Role::Distribution))
     }
 }
 
@@ -201,6 +230,8 @@ struct Walk<'a, 't> {
     by_id: HashMap<&'a str, Element<'a>>,
     /// Width and height in user units, where they are known: what per cent are of.
     viewport: Option<Vec2>,
+    /// Number of corners of paths of several parts.
+    of_parts: usize,
 }
 
 impl<'a> Walk<'a, '_> {
@@ -324,8 +355,14 @@ impl<'a> Walk<'a, '_> {
         let Trace { lines, curved, .. } = trace;
         self.tracer.curves += usize::from(curved);
         let lines = lines.into_iter().filter(|(corners, _)| corners.len() > 1);
-        let lines: Vec<(Vec<Vec2>, bool, bool)> = if kind == "path" && layer.has_role {
-            parts_of(lines.collect(), layer.even_odd).map_err(|error| placed(element, error))?
+        let lines = lines.map(|(corners, closed)| {
+            let returns = || layer.role.is_some() && corners.len() > 3 && corners.first() == corners.last();
+            let closed = closed || layer.closes() && corners.len() > 2 || returns();
+            (corners, closed)
+        });
+        let lines: Vec<(Vec<Vec2>, bool, bool)> = if kind == "path" && layer.role.is_some() {
+            parts_of(lines.collect(), layer.filled.has_holes(), &mut self.of_parts)
+                .map_err(|error| placed(element, error))?
         } else {
             lines.map(|(corners, closed)| (corners, closed, false)).collect()
         };
@@ -333,15 +370,21 @@ impl<'a> Walk<'a, '_> {
             let id = element.optional("id").map(str::to_owned);
             let entity = format!("<{kind}> in line {}", element.line());
             let layer = layer.name.to_owned();
+            let role = Role::of_name(&layer);
             let name = id.filter(|id| *id != layer && layer.is_empty());
-            self.tracer.take(Line { layer, name, entity, corners, closed, hole, ground: false })?;
+            self.tracer.take(Line { layer, role, name, entity, corners, closed, hole, ground: false })?;
         }
         Ok(())
     }
 }
 
-/// Says which parts of a path are holes of which: the rim of what is filled. Holes follow what they are in.
-fn parts_of(lines: Vec<(Vec<Vec2>, bool)>, even_odd: bool) -> Result<Vec<(Vec<Vec2>, bool, bool)>> {
+/// Says which parts of a path are holes of which: the rim of what is filled. Holes follow what they are in. `looked_at` is
+/// the number of corners of all such paths.
+fn parts_of(
+    lines: Vec<(Vec<Vec2>, bool)>,
+    even_odd: bool,
+    looked_at: &mut usize,
+) -> Result<Vec<(Vec<Vec2>, bool, bool)>> {
     let (closed, open): (Vec<_>, Vec<_>) =
         lines.into_iter().partition(|(corners, closed)| *closed && corners.len() > 2);
     let rings: Vec<Ring> = closed.into_iter().filter_map(|(corners, _)| Ring::through(corners)).collect();
@@ -349,11 +392,10 @@ fn parts_of(lines: Vec<(Vec<Vec2>, bool)>, even_odd: bool) -> Result<Vec<(Vec<Ve
     if rings.len() < 2 {
         parts.extend(rings.iter().map(|ring| (ring.corners().to_vec(), true, false)));
     } else {
-        let corners: usize = rings.iter().map(|ring| ring.corners().len()).sum();
-        require(corners <= MOST_OF_PARTS, || {
+        *looked_at += rings.iter().map(|ring| ring.corners().len()).sum::<usize>();
+        require(*looked_at <= MOST_OF_PARTS, || {
             format!(
-                "a path of {} parts has {corners} corners; at most {MOST_OF_PARTS} are allowed",
-                rings.len()
+                "paths of several parts have {looked_at} corners so far; at most {MOST_OF_PARTS} are allowed"
             )
         })?;
         let drawn = if sides_that_meet(&rings).is_none() { rims(&rings, even_odd) } else { None };
@@ -381,12 +423,17 @@ fn rims(rings: &[Ring], even_odd: bool) -> Option<Vec<Vec<Ring>>> {
             (0..rings.len()).filter(|&other| other != k && rings[other].contains(corner)).collect()
         })
         .collect();
-    let winding = |k: usize| around[k].iter().map(|&other| sign(&rings[other])).sum::<i32>();
-    let is_rim = |k: usize| !filled(winding(k)) && filled(winding(k) + sign(&rings[k]));
-    let is_hole = |k: usize| filled(winding(k)) && !filled(winding(k) + sign(&rings[k]));
+    let signs: Vec<i32> = rings.iter().map(sign).collect();
+    // Whether it is filled outside, and inside.
+    let sides = |(k, around): (usize, &Vec<usize>)| {
+        let winding = around.iter().map(|&other| signs[other]).sum::<i32>();
+        [filled(winding), filled(winding + signs[k])]
+    };
+    let sides: Vec<[bool; 2]> = around.iter().enumerate().map(sides).collect();
+    let is_rim = |k: usize| sides[k] == [false, true];
     let mut polygons: Vec<Option<Vec<Ring>>> =
         (0..rings.len()).map(|k| is_rim(k).then(|| vec![rings[k].clone()])).collect();
-    for hole in (0..rings.len()).filter(|&k| is_hole(k)) {
+    for hole in (0..rings.len()).filter(|&k| sides[k] == [true, false]) {
         // The innermost rim around it is in the most others.
         let of = around[hole].iter().copied().filter(|&k| is_rim(k)).max_by_key(|&k| around[k].len())?;
         polygons[of].as_mut()?.push(rings[hole].clone());

@@ -401,7 +401,7 @@ fn damaged_files_do_no_harm() {
             }
             if let Ok(drawing) = Drawing::read(format, &damaged, &METRES) {
                 read += 1;
-                let settings = PlanSettings { close: Some(0.05), to_origin: true, walls: Vec::new() };
+                let settings = PlanSettings { close: Some(0.05), to_origin: true, ..PlanSettings::default() };
                 if let Ok(plan) = Plan::of(drawing, &settings) {
                     let _ = (plan.area(), plan.doors(), plan.way());
                     let _ = written_formats().map(|format| write_plan(&plan, format));
@@ -414,7 +414,7 @@ fn damaged_files_do_no_harm() {
 
 fn plan_of(name: &str, format: Format, reading: Reading, close: Option<f64>) -> Plan {
     let drawing = Drawing::read(format, &example(name), &reading).unwrap();
-    Plan::of(drawing, &PlanSettings { close, to_origin: true, walls: Vec::new() }).unwrap()
+    Plan::of(drawing, &PlanSettings { close, to_origin: true, ..PlanSettings::default() }).unwrap()
 }
 
 /// The areas of the examples are known: rectangles, circles.
@@ -486,6 +486,8 @@ fn layers_say_what_lines_are() {
         ("plan|A-WALL", None),
         ("Level 1::obstacles-b", Some((Role::Obstacle, "b"))),
         ("0 - distributions-0", Some((Role::Distribution, "0"))),
+        ("wall beside ramp - exit 2", None),
+        ("Level 1 - exits-0", None),
         ("walkablearea - 0|1", Some((Role::WalkableArea, "0|1"))),
         ("plan$0$exit-signs", None),
         ("jupedsim", None),
@@ -526,14 +528,14 @@ fn areas_that_meet_are_united_and_obstacles_cut() {
         ("obstacles", [-1.0, 1.0, 1.0, 2.0]),
     ]);
     assert!((united.area().unwrap() - (12.0 + 12.0 - 1.0 - 1.0)).abs() < 1e-6);
-    assert!(united.united && united.walls.len() == 1);
+    assert!(united.ground.is_some() && united.walls.len() == 1);
     // Where nothing meets, walls are as drawn.
     let apart = of(&[
         ("walkablearea", [0.0, 0.0, 4.0, 3.0]),
         ("obstacles", [1.0, 1.0, 2.0, 2.0]),
         ("furniture", [0.5, 0.5, 0.7, 0.7]),
     ]);
-    assert!(!apart.united && apart.walls.len() == 2 && apart.area() == Some(11.0));
+    assert!(apart.ground.is_none() && apart.walls.len() == 2 && apart.area() == Some(11.0));
     assert_eq!(apart.left_out.len(), 1);
     // Without such layers, all lines are walls, also outside.
     let plain =
@@ -618,6 +620,55 @@ fn what_is_written_is_read_back() {
     let text = write_plan(&named, Format::Dxf).unwrap();
     let again = Drawing::read(Format::Dxf, text.as_bytes(), &Reading::default()).unwrap();
     assert_eq!(Plan::of(again, &PlanSettings::default()).unwrap().exits[0].name, "Süd_  0_EOF");
+}
+
+/// Walls of closed rooms that meet are there as often as before, and so is the ground of the largest.
+#[test]
+fn rooms_that_meet_are_read_back_from_well_known_text() {
+    let rectangle = |[x0, y0, x1, y1]: [f64; 4]| {
+        [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]].map(Vec2::from).to_vec()
+    };
+    let room = [0.0, 0.0, 10.0, 5.0];
+    // Walls, how many polygons and lines are written, and the ground.
+    for (rectangles, written, area) in [
+        // Two rooms with one wall between them, that share a corner, that are a hair apart.
+        (&[room, [10.0, 0.0, 20.0, 5.0]][..], [0, 2], 50.0),
+        (&[room, [10.0, 5.0, 20.0, 9.0]], [0, 2], 50.0),
+        (&[room, [10.012, 1.0, 20.0, 4.0]], [0, 2], 50.0),
+        // A cupboard in the corner, one nearly at a wall, one that goes through it.
+        (&[room, [9.0, 4.0, 10.0, 5.0]], [0, 2], 49.0),
+        (&[room, [4.0, 0.01, 5.0, 1.0]], [0, 2], 50.0 - 0.99),
+        (&[room, [4.0, -0.5, 5.0, 0.5]], [0, 2], 49.5),
+        // With a column, which is not ground, either; and a room that is apart from both.
+        (&[room, [9.0, 4.0, 10.0, 5.0], [2.0, 2.0, 3.0, 3.0], [12.0, 0.0, 15.0, 4.0]], [1, 3], 48.0),
+        // Tables at each other in a room; a column in it, and an island in that.
+        (&[room, [2.0, 2.0, 3.0, 3.0], [3.0, 2.0, 4.0, 3.0]], [1, 2], 48.0),
+        (&[room, [2.0, 2.0, 4.0, 4.0], [2.5, 2.5, 3.5, 3.5]], [2, 0], 47.0),
+        // Apart: one polygon with a hole.
+        (&[room, [9.0, 3.9, 9.9, 4.9]], [1, 0], 50.0 - 0.9),
+    ] {
+        let walls = rectangles.iter().map(|sides| rectangle(*sides)).collect::<Vec<_>>();
+        let mut geometry = lemons_core::trial::Geometry { dimensions: None, walls: Vec::new() };
+        for (id, wall) in walls.iter().enumerate() {
+            geometry.walls.push(lemons_core::trial::Wall::new(id.to_string(), "wood", wall.clone()));
+        }
+        let text = write_plan(&Plan::of_geometry(&geometry, Vec::new()), Format::Wkt).unwrap();
+        let kinds = ["POLYGON", "LINESTRING"].map(|kind| text.matches(kind).count());
+        assert_eq!(kinds, written, "{rectangles:?}: {text}");
+        let again = plan(Format::Wkt, &text);
+        assert_eq!(sides(&again.walls), sides(&walls), "{rectangles:?}: {text}");
+        let found = again.area();
+        assert!(
+            found.is_some_and(|found| (found - area).abs() < 1e-6),
+            "{rectangles:?}: {found:?}, not {area}"
+        );
+    }
+    // A wall that touches itself is a line, too: a polygon would be mended, or refused.
+    let wall = [[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0], [0.0, 0.0]].map(Vec2::from).to_vec();
+    let wall = lemons_core::trial::Wall::new("0", "wood", wall);
+    let geometry = lemons_core::trial::Geometry { dimensions: None, walls: vec![wall] };
+    let text = write_plan(&Plan::of_geometry(&geometry, Vec::new()), Format::Wkt).unwrap();
+    assert_eq!(text, "LINESTRING (0 0, 2 2, 2 0, 0 2, 0 0)\n");
 }
 
 /// The crates wkt and geojson read the same.
@@ -788,6 +839,32 @@ fn polygons_of_well_known_text_are_one_area() {
             50.0,
             1,
         ),
+        // Also where it touches the rim, at a side or in a corner, or rounding puts it a millimetre beyond.
+        (
+            "GEOMETRYCOLLECTION (POLYGON ((0 0, 10 0, 10 5, 0 5, 0 0)), POLYGON ((9 4, 10 4, 10 5, 9 5, 9 4)))",
+            1,
+            50.0,
+            1,
+        ),
+        (
+            "GEOMETRYCOLLECTION (POLYGON ((0 0, 10 0, 10 5, 0 5, 0 0)), POLYGON ((10 2, 9 3, 8 2, 9 1, 10 2)))",
+            1,
+            50.0,
+            1,
+        ),
+        (
+            "GEOMETRYCOLLECTION (POLYGON ((9 4, 10 4, 10 5, 9 5, 9 4)), POLYGON ((0 0, 9.999999 0, 9.999999 5, 0 5, 0 0)))",
+            1,
+            50.0,
+            1,
+        ),
+        // Not where a part of it is beyond the rim, though all its corners are within; nor in a hole.
+        (
+            "GEOMETRYCOLLECTION (POLYGON ((0 0, 10 0, 10 5, 6 5, 6 2, 4 2, 4 5, 0 5, 0 0)), POLYGON ((3 3, 7 3, 7 4, 3 4, 3 3)))",
+            2,
+            44.0 + 2.0,
+            0,
+        ),
         // One polygon is as drawn, and lines are walls.
         (
             "GEOMETRYCOLLECTION (POLYGON ((0 0, 10 0, 10 5, 0 5, 0 0), (2 1, 5 1, 5 4, 2 4, 2 1)), LINESTRING (6 0, 6 3))",
@@ -805,6 +882,24 @@ fn polygons_of_well_known_text_are_one_area() {
         assert!((of - area).abs() < 1e-5, "{text}: {of}");
         assert_eq!((found.walls.len(), found.within.len()), (walls, within), "{text}: {:?}", found.walls);
     }
+    // What is said of it.
+    let room = "POLYGON ((0 0, 10 0, 10 5, 0 5, 0 0))";
+    let boxes = ["POLYGON ((9 4, 10 4, 10 5, 9 5, 9 4))", "POLYGON ((2 1, 5 1, 5 4, 2 4, 2 1))"];
+    let said = |text: String| read_as(Format::Wkt, &text).unwrap().said("x");
+    let find = |said: &[(&str, String)], key: &str| {
+        said.iter().find(|(what, _)| *what == key).map(|(_, how)| how.clone()).unwrap()
+    };
+    let one = said(format!("GEOMETRYCOLLECTION ({room}, {})", boxes[0]));
+    assert_eq!(
+        find(&one, "warning"),
+        "POLYGON 1 lies within another polygon and is counted as floor; if it is an obstacle, draw it as a hole"
+    );
+    assert_eq!(find(&one, "ground"), "50.000 m² of all areas, without obstacles");
+    assert_eq!(find(&said(room.to_owned()), "ground"), "50.000 m² within the outline, without obstacles");
+    let two = said(format!("GEOMETRYCOLLECTION ({room}, {}, {})", boxes[0], boxes[1]));
+    assert!(
+        find(&two, "warning").starts_with("POLYGON 1, POLYGON 2 lie within other polygons and are counted")
+    );
     let said = read_as(Format::Wkt, "POLYGON ((0 0, 10 0, 0 5, 10 5, 0 0))").unwrap_err().to_string();
     assert_eq!(said, "POLYGON 0: its sides cross or touch each other");
 }
@@ -872,12 +967,109 @@ fn holes_of_paths_are_holes() {
         ("", outer.clone() + &other + &inner, 379.0),
         ("fill-rule='evenodd'", outer.clone() + &same + &inner, 379.0),
         ("fill-rule='evenodd'", outer.clone() + &same + &crossing, 400.0 - 25.0 - 49.0 + 8.0),
+        // Filling closes what `z` does not.
+        ("", outer.clone() + "M5,5 v5 h5 v-5", 375.0),
+        ("", "M0,0 h20 v20 h-20 M5,5 v5 h5 v-5".into(), 375.0),
+        ("", "M0,0 h20 v20 h-20".into(), 400.0),
+        ("fill='none'", outer.clone() + "M5,5 v5 h5 v-5 h-5", 375.0),
     ] {
         let area = of("walkablearea", how, &path);
         assert!((area - expected).abs() < 1e-6, "{how} {path}: {area}");
         let area = of("obstacles", how, &path);
         assert!((area - (900.0 - expected)).abs() < 1e-6, "{how} {path}: {area}");
     }
+}
+
+/// `fill` and `fill-rule` are each that of the nearest element that says it.
+#[test]
+fn fill_and_its_rule_are_inherited_apart() {
+    let path = "d='M0,0 h20 v20 h-20 z M5,5 h5 v5 h-5 z'";
+    for (group, own, expected) in [
+        ("fill='none'", "", 375.0),
+        ("fill='none'", "fill='red'", 400.0),
+        ("fill='none'", "style='fill:red'", 400.0),
+        ("fill='none'", "fill='inherit'", 375.0),
+        ("fill='none'", "fill-rule='nonzero'", 375.0),
+        ("fill='none' fill-rule='evenodd'", "fill='red'", 375.0),
+        ("fill-rule='evenodd'", "fill='red'", 375.0),
+        ("fill-rule='evenodd'", "fill='red' fill-rule='nonzero'", 400.0),
+        ("fill='red'", "style='fill:red; fill:none'", 375.0),
+    ] {
+        let text =
+            format!("<svg viewBox='0 0 30 30'><g {group}><path id='walkablearea' {own} {path}/></g></svg>");
+        let area = plan(Format::Svg, &text).area().unwrap();
+        assert!((area - expected).abs() < 1e-6, "{group} {own}: {area}");
+    }
+}
+
+/// An exit may be a line, also where nobody says that it is not filled.
+#[test]
+fn exits_are_not_closed_by_filling() {
+    let text = "<svg viewBox='0 0 30 30'><rect id='walkablearea' width='30' height='30'/><path id='exits-a' d='M30,2 v1 v1'/></svg>";
+    assert_eq!(plan(Format::Svg, text).exits[0].corners, [vec2(30.0, 28.0), vec2(30.0, 26.0)]);
+}
+
+/// Rings in each other, every second one a hole; of all paths together only so many corners are looked at.
+#[test]
+fn corners_of_paths_of_several_parts_are_counted_together() {
+    let ring = |k: u32| format!("M{k},{k} h{side} v{side} h-{side} z ", side = 2 * (1000 - k));
+    let nested = |from: u32, count: u32| (from..from + count).map(ring).collect::<String>();
+    let of = |paths: &[String]| {
+        let path = |d: &String| format!("<path class='obstacles' fill-rule='evenodd' d='{d}'/>");
+        let paths: String = paths.iter().map(path).collect();
+        let text = format!(
+            "<svg viewBox='0 0 2000 2000'><rect id='walkablearea' width='2000' height='2000'/>{paths}</svg>"
+        );
+        Drawing::read(Format::Svg, text.as_bytes(), &METRES)
+    };
+    let lines = of(&[nested(1, 900)]).unwrap().lines;
+    assert_eq!((lines.len(), lines.iter().filter(|line| line.hole).count()), (901, 450));
+    // Each hole follows the rim around it.
+    let size = |line: &Line| area(line).abs().sqrt().round() as i64;
+    assert!(lines[1..].chunks(2).all(|pair| pair[1].hole && size(&pair[0]) - size(&pair[1]) == 2));
+    // 2500 squares have 10 000 corners; paths of one part are not counted.
+    let mut paths: Vec<String> = (0..5).map(|k| nested(100 * k, 500)).collect();
+    paths.push(ring(1));
+    assert!(of(&paths).is_ok());
+    paths.push(nested(1, 2));
+    let said = of(&paths).unwrap_err().to_string();
+    assert_eq!(
+        said,
+        "line 1: <path>: paths of several parts have 10008 corners so far; at most 10000 are allowed"
+    );
+}
+
+/// Only the property `layer` may have something before a role: the others are free text.
+#[test]
+fn free_text_of_geojson_is_no_exit() {
+    let of = |properties: &str| {
+        let line = r#""geometry": {"type": "LineString", "coordinates": [[1, 1], [2, 1]]}"#;
+        let wall = format!(r#"{{"type": "Feature", "properties": {properties}, {line}}}"#);
+        let found = plan(
+            Format::GeoJson,
+            &collection(&[feature("A", &[vec2(0.0, 0.0), vec2(9.0, 0.0), vec2(9.0, 5.0)]), wall]),
+        );
+        (found.walls.len(), found.exits.len())
+    };
+    for properties in [
+        r#"{"layer": "A-WALL", "name": "wall beside ramp - exit 2"}"#,
+        r#"{"layer": "A-WALL", "name": "ramp/exit 2"}"#,
+        r#"{"name": "0 - exits-0"}"#,
+        r#"{"name": "hall|exits-0", "type": "stairs$0$exits"}"#,
+        r#"{"layer": "ramp - exit 2"}"#,
+    ] {
+        assert_eq!(of(properties), (2, 0), "{properties}");
+    }
+    for properties in [
+        r#"{"layer": "0 - exits-0"}"#,
+        r#"{"layer": "plan|exits-0", "name": "north"}"#,
+        r#"{"layer": "A-WALL", "name": "exit 2"}"#,
+    ] {
+        assert_eq!(of(properties), (1, 1), "{properties}");
+    }
+    // Nor is the id of a shape.
+    let text = "<svg viewBox='0 0 9 9'><path d='M0,0 h9 v9 z'/><path id='ramp/exit 2' d='M1,1 h1'/></svg>";
+    assert!(plan(Format::Svg, text).exits.is_empty());
 }
 
 /// The rectangle of each, as the standard says.
@@ -1049,6 +1241,14 @@ fn units_and_places_that_no_room_has_are_doubted() {
         (None, "5600 km from the origin; people stand within 1000 km of it".into())
     );
     assert!(ground.starts_with("48.000 m²"));
+    // A hall of 15 m x 12 m that is drawn in millimetres, and read in metres; a platform of 400 m is a room.
+    let of = |x: f64, y: f64| {
+        let read = read_as(Format::Wkt, &format!("POLYGON ((0 0, {x} 0, {x} {y}, 0 {y}, 0 0))")).unwrap();
+        read.said("x").into_iter().find(|(what, _)| *what == "unit?").map(|(_, how)| how)
+    };
+    let hall = of(15_000.0, 12_000.0).unwrap();
+    assert!(hall.contains("mm: 15.00 m x 12.00 m"), "{hall}");
+    assert_eq!((of(400.0, 12.0), of(3001.0, 12.0).is_some()), (None, true));
 }
 
 /// Of 30 000 lines on each other one wall is left: the engine compares all pairs of those.

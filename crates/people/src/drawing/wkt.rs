@@ -18,6 +18,7 @@ pub(super) fn read(text: &str, reading: &Reading) -> Result<Tracer> {
             tracer.look(1)?;
             tracer.take(Line {
                 layer: String::new(),
+                role: None,
                 name: None,
                 entity: format!("{kind} {number}"),
                 corners: corners.iter().map(|corner| scale.of(*corner)).collect(),

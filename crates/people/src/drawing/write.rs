@@ -1,10 +1,12 @@
 //! A plan -> GeoJSON, well-known text or DXF, as [`Drawing::read`](super::Drawing::read) reads them.
 
 use super::Format;
+use super::areas::TOUCH;
 use super::plan::{MOST_CORNERS, Place, Plan, Role};
 use crate::is_closed;
 use lemons_core::plane::{Bounds, Ring, Vec2};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Returns the formats that are written.
@@ -75,50 +77,81 @@ fn geojson(plan: &Plan) -> String {
     format!("{{\"type\": \"FeatureCollection\", \"features\": [\n{}\n]}}\n", features.join(",\n"))
 }
 
-/// Closed walls are polygons: those within others are holes of them, as other programs take them, unless there are more
-/// than are read again.
+/// Closed walls that are apart from all others are polygons, and those within them holes, as other programs take them. The
+/// reader unites polygons that meet, so walls that do so are lines, and what is within such a wall.
 fn wkt(plan: &Plan) -> String {
     let text = |wall: &[Vec2]| {
         let corners: Vec<String> = wall.iter().map(|corner| format!("{} {}", corner.x, corner.y)).collect();
         format!("({})", corners.join(", "))
     };
-    let ring = |wall: &Vec<Vec2>| Ring::through(wall.clone()).filter(|_| is_closed(wall));
-    let rings: Vec<Ring> = plan.walls.iter().filter_map(ring).collect();
-    let bounds: Vec<Bounds> = rings.iter().map(Ring::bounds).collect();
-    let around = |k: usize| -> Vec<usize> {
-        let corner = rings[k].corners()[0];
-        let holds =
-            |&other: &usize| other != k && bounds[other].contains(corner) && rings[other].contains(corner);
-        (0..rings.len()).filter(holds).collect()
+    let polygons = polygons(&plan.walls);
+    let in_polygons: BTreeSet<usize> = polygons.iter().flatten().copied().collect();
+    let polygon = |walls: &Vec<usize>| {
+        let rings: Vec<String> = walls.iter().map(|wall| text(&plan.walls[*wall])).collect();
+        format!("POLYGON ({})", rings.join(", "))
     };
-    let around: Vec<Vec<usize>> = if rings.len() <= MOST_CORNERS {
-        (0..rings.len()).map(around).collect()
-    } else {
-        vec![Vec::new(); rings.len()]
-    };
-    let mut polygons: Vec<Vec<String>> = vec![Vec::new(); rings.len()];
-    let is_outer = |k: usize| around[k].len().is_multiple_of(2);
-    for k in (0..rings.len()).filter(|k| is_outer(*k)) {
-        polygons[k].push(text(rings[k].closed()));
-    }
-    for k in (0..rings.len()).filter(|k| !is_outer(*k)) {
-        // The innermost one around it.
-        let of = around[k].iter().copied().filter(|of| is_outer(*of)).max_by_key(|of| around[*of].len());
-        polygons[of.unwrap_or(k)].push(text(rings[k].closed()));
-    }
-    let polygons = polygons.into_iter().filter(|rings| !rings.is_empty());
-    let polygons = polygons.map(|rings| format!("POLYGON ({})", rings.join(", ")));
-    // Where doors open the outline, it is no polygon: then what stands in it is none, either.
-    let within = |wall: &Vec<Vec2>| bounds.iter().any(|of| wall.iter().all(|corner| of.contains(*corner)));
-    let all_are_lines = !plan.walls.iter().filter(|wall| !is_closed(wall)).all(within);
-    let polygons = polygons.filter(|_| !all_are_lines);
-    let lines = plan.walls.iter().filter(|wall| all_are_lines || !is_closed(wall));
-    let open = lines.map(|wall| format!("LINESTRING {}", text(wall)));
-    let parts: Vec<String> = polygons.chain(open).collect();
+    let lines = plan.walls.iter().enumerate().filter(|(k, _)| !in_polygons.contains(k));
+    let lines = lines.map(|(_, wall)| format!("LINESTRING {}", text(wall)));
+    let parts: Vec<String> = polygons.iter().map(polygon).chain(lines).collect();
     match &parts[..] {
         [one] => format!("{one}\n"),
         _ => format!("GEOMETRYCOLLECTION ({})\n", parts.join(",\n  ")),
     }
+}
+
+/// Returns the walls that are polygons, by their numbers: of each its rim, then its holes. There are none if walls have more
+/// corners than polygons that are read.
+fn polygons(walls: &[Vec<Vec2>]) -> Vec<Vec<usize>> {
+    let ring = |(k, wall): (usize, &Vec<Vec2>)| {
+        let ring = Ring::through(wall.clone()).filter(|_| is_closed(wall))?;
+        Some((k, ring.bounds().grown(TOUCH), ring))
+    };
+    let rings: Vec<(usize, Bounds, Ring)> = walls.iter().enumerate().filter_map(ring).collect();
+    // Where doors open the outline, it is no polygon: then what stands in it is none, either.
+    let within = |wall: &Vec<Vec2>| {
+        rings.iter().any(|(_, bounds, _)| wall.iter().all(|corner| bounds.contains(*corner)))
+    };
+    let corners: usize = rings.iter().map(|(.., ring)| ring.corners().len()).sum();
+    if corners > MOST_CORNERS || !walls.iter().filter(|wall| !is_closed(wall)).all(within) {
+        return Vec::new();
+    }
+    let is_near = |(_, of, one): &(usize, Bounds, Ring), (_, bounds, other): &(usize, Bounds, Ring)| {
+        let near = |ring: &Ring, corner: &Vec2| ring.nearest(*corner).distance <= TOUCH;
+        of.meets(bounds)
+            && (one.touches(other)
+                || one.corners().iter().any(|corner| near(other, corner))
+                || other.corners().iter().any(|corner| near(one, corner)))
+    };
+    let mut is_line: Vec<bool> = rings.iter().map(|(.., ring)| !ring.is_simple()).collect();
+    for k in 0..rings.len() {
+        for other in 0..k {
+            if !(is_line[k] && is_line[other]) && is_near(&rings[k], &rings[other]) {
+                (is_line[k], is_line[other]) = (true, true);
+            }
+        }
+    }
+    let around = |k: usize| -> Vec<usize> {
+        let corner = rings[k].2.corners()[0];
+        let holds = |&other: &usize| {
+            let (_, bounds, ring) = &rings[other];
+            other != k && bounds.contains(corner) && ring.contains(corner)
+        };
+        (0..rings.len()).filter(holds).collect()
+    };
+    let around: Vec<Vec<usize>> = (0..rings.len()).map(around).collect();
+    let apart = || (0..rings.len()).filter(|&k| !is_line[k] && !around[k].iter().any(|of| is_line[*of]));
+    let is_rim = |k: usize| around[k].len().is_multiple_of(2);
+    let mut polygons: Vec<Vec<usize>> = vec![Vec::new(); rings.len()];
+    for k in apart().filter(|k| is_rim(*k)) {
+        polygons[k].push(rings[k].0);
+    }
+    for k in apart().filter(|k| !is_rim(*k)) {
+        // The innermost one around it.
+        let of = around[k].iter().copied().filter(|of| is_rim(*of)).max_by_key(|of| around[*of].len());
+        polygons[of.unwrap_or(k)].push(rings[k].0);
+    }
+    polygons.retain(|walls| !walls.is_empty());
+    polygons
 }
 
 /// Release 12, which every program reads: POLYLINE with VERTEX. The unit is that of later releases, in the header.

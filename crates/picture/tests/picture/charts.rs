@@ -139,6 +139,17 @@ fn names_stand_apart() {
 }
 
 #[test]
+fn a_long_name_leaves_the_margin_free() {
+    let long = Line { name: "wide ".repeat(40), ..line(0, false, vec![(0.0, 0.0), (1.0, 1.0)]) };
+    let text = drawn(&one_panel(vec![long], false));
+    let document = Document::parse(&text).unwrap();
+    let of = |class: &str| extent(common::class(&document, class)[0].attribute("d").unwrap());
+    let page = common::number(document.root_element(), "width");
+    // That on the left, where the label of the panel begins; letters have space before and after them.
+    assert!((page - of("name").1 - of("label").0).abs() < 1.5, "{page} {:?} {:?}", of("name"), of("label"));
+}
+
+#[test]
 fn equal_curves_have_one_name_and_show_all_their_colours() {
     let ramp = |k: f64| (0..=100).map(|t| (f64::from(t), k * f64::from(t))).collect::<Vec<_>>();
     // 1 and 2 are equal, 4 is until half of the time.

@@ -108,4 +108,12 @@ fn what_leaves_a_fixed_view_is_cut() {
     png(&text, 100).unwrap();
     assert_eq!(text.matches("rotate(").count(), 3);
     assert_eq!(text.matches("<svg").count(), 2);
+
+    // Who stands outside of the view and reaches into it is drawn: of disks of 0.5 m beside it, the one at x = 2.4 m.
+    let beside = |x: f64| (agent("0", vec![disk(0.5, Vec2::zeros())]), vec2(x, 0.0), 0.0);
+    let t = trial(vec![beside(0.0), beside(2.4), beside(3.6)], vec![]);
+    let mut scene = Scene::at_start(&t);
+    scene.view = view;
+    let text = svg(&scene, &plain());
+    assert_eq!(text.matches("rotate(").count(), 2);
 }

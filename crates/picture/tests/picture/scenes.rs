@@ -29,6 +29,10 @@ fn a_line_is_as_wide_as_its_force() {
     assert_eq!(lines.iter().map(|l| l.attribute("d").unwrap()).collect::<Vec<_>>(), ["M1 0L2 0", "M0 0L1 0"]);
     let widths: Vec<f64> = lines.iter().map(|l| number(*l, "stroke-width")).collect();
     assert!((widths[1] / widths[0] - 4.0).abs() < 1e-3, "{widths:?}");
+    // The border of halos is as wide around strong forces as around weak ones.
+    let halos = class(&document, "force-halos")[0].children().filter(Node::is_element);
+    let borders: Vec<f64> = halos.zip(&widths).map(|(h, width)| number(h, "stroke-width") - width).collect();
+    assert!(borders[0] > 0.0 && (borders[1] - borders[0]).abs() < 2e-6, "{borders:?}");
     // Bodies, then halos, then lines.
     let at = |name: &str| text.find(&format!("class=\"{name}\"")).unwrap();
     assert!(at("bodies") < at("force-halos") && at("force-halos") < at("forces"));

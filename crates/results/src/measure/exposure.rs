@@ -14,15 +14,47 @@ pub const SPANS: [f64; 3] = [0.1, 1.0, 10.0];
 pub struct Exposed {
     /// \[s\] How long the person was there.
     pub time: f64,
-    /// \[s\] Time above each level: in communication steps with a greater mean squeeze, or, with `over`, at
+    /// When the person was above each level: in communication steps with a greater mean squeeze, or, with `over`, at
     /// the end of spans with a greater one; `None` if the record is shorter than a span, or a step is longer.
-    pub above: Vec<Option<f64>>,
+    pub above: Vec<Option<Above>>,
     /// \[N\] Largest mean squeeze over each of [`SPANS`]; `None` if the record is shorter, or if a step is longer.
     pub largest_mean: [Option<f64>; SPANS.len()],
     /// \[N s\] Integral of the squeeze over time.
     pub impulse: f64,
     /// \[N\] Largest squeeze within any step.
     pub peak: f64,
+}
+
+/// How long a person was above a level, and from when.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Above {
+    /// \[s\] In all.
+    pub time: f64,
+    /// \[s\] The longest time without a break.
+    pub longest: f64,
+    /// \[s\] When it was so at first; `None`: never.
+    pub first: Option<f64>,
+    /// \[s\] Without a break until now.
+    now: f64,
+}
+
+impl Above {
+    /// Adds the time from `begin` to `end` \[s\], in which a mean goes in a line from `a` to `b`.
+    fn add(&mut self, [begin, end]: [f64; 2], (a, b): (f64, f64), level: f64) {
+        let above = (end - begin) * part_above((a, b), level);
+        if a <= level {
+            self.now = 0.0;
+        }
+        if above > 0.0 {
+            self.time += above;
+            self.now += above;
+            self.longest = self.longest.max(self.now);
+            self.first.get_or_insert(if a > level { begin } else { end - above });
+        }
+        if b <= level {
+            self.now = 0.0;
+        }
+    }
 }
 
 /// Sums up the squeeze of each person. It is given all communication points in the order of time.
@@ -44,7 +76,7 @@ impl Exposure {
     /// Begins, with levels of squeeze \[N\]; compared with them are means over spans of the length `over` \[s\], or, without,
     /// those over communication steps.
     pub fn new(people: usize, levels: &[f64], over: Option<f64>) -> Exposure {
-        let above = vec![Some(0.0); levels.len()];
+        let above = vec![Some(Above::default()); levels.len()];
         Exposure {
             levels: levels.to_vec(),
             over,
@@ -63,13 +95,16 @@ impl Exposure {
         let Some(before) = self.impulses.step(time, means) else { return };
         let step = time - before;
         for ((person, squeeze), impulse) in self.people.iter_mut().zip(&squeeze).zip(self.impulses.now()) {
-            let Some((mean, peak)) = *squeeze else { continue };
+            let Some((mean, peak)) = *squeeze else {
+                person.above.iter_mut().flatten().for_each(|above| above.now = 0.0);
+                continue;
+            };
             person.time += step;
             person.peak = person.peak.max(peak);
             person.impulse = *impulse;
             if self.over.is_none() {
                 for (above, level) in person.above.iter_mut().flatten().zip(&self.levels) {
-                    *above += if mean > *level { step } else { 0.0 };
+                    above.add([before, time], (mean, mean), *level);
                 }
             }
         }
@@ -101,7 +136,7 @@ impl Exposure {
                     continue;
                 }
                 for (above, level) in person.above.iter_mut().flatten().zip(&self.levels) {
-                    *above += (end - begin) * part_above(means, *level);
+                    above.add([begin, end], means, *level);
                 }
             }
         }
@@ -114,9 +149,14 @@ impl Exposure {
 
     /// Returns what each person was exposed to.
     pub fn finish(self) -> Vec<Exposed> {
+        self.so_far()
+    }
+
+    /// Returns what each person was exposed to up to now.
+    pub fn so_far(&self) -> Vec<Exposed> {
         let resolved = |span: f64| self.longest_step <= span + ROUNDING;
         let known = self.over.is_none_or(|over| self.spanned && resolved(over));
-        let mut people = self.people;
+        let mut people = self.people.clone();
         for person in &mut people {
             for above in person.above.iter_mut().filter(|_| !known) {
                 *above = None;
@@ -152,6 +192,10 @@ mod tests {
         exposure.finish().remove(0)
     }
 
+    fn times(above: &[Option<Above>]) -> Vec<Option<f64>> {
+        above.iter().map(|above| above.map(|above| above.time)).collect()
+    }
+
     #[track_caller]
     fn near(a: f64, b: f64) {
         assert!((a - b).abs() <= 1e-9 * b.abs().max(1.0), "{a} is not {b}");
@@ -165,7 +209,7 @@ mod tests {
     #[test]
     fn a_rectangular_pulse() {
         let one = exposed(pulse, 0.05, 12.0, Exposure::new(1, &[500.0, 799.0, 801.0], None));
-        let seen = one.above.iter().chain(&one.largest_mean).map(|known| known.unwrap());
+        let seen = times(&one.above).into_iter().chain(one.largest_mean).map(|known| known.unwrap());
         let seen = seen.chain([one.impulse, one.time, one.peak]);
         let expected = [0.5, 0.5, 0.0, 800.0, 400.0, 40.0, 400.0, 12.0, 800.0];
         seen.zip(expected).for_each(|(seen, expected)| near(seen, expected));
@@ -175,7 +219,7 @@ mod tests {
     #[test]
     fn time_above_a_level_of_means_over_a_second() {
         let above = |levels: &[f64], step: f64, until: f64, span: f64| {
-            exposed(pulse, step, until, Exposure::new(1, levels, Some(span))).above
+            times(&exposed(pulse, step, until, Exposure::new(1, levels, Some(span))).above)
         };
         for step in [0.05, 0.01, 0.25] {
             let times = above(&[0.0, 100.0, 300.0, 401.0], step, 12.0, 1.0);
@@ -186,6 +230,36 @@ mod tests {
         assert_eq!(above(&[100.0], 0.05, 12.0, 0.04), [None], "a step is longer");
         // A span of a step: the means of the steps change linearly, so half of a step is added at each end, and lost.
         near(above(&[400.0], 0.05, 12.0, 0.05)[0].unwrap(), 0.5);
+    }
+
+    /// 800 N from 2 to 2.5 s, and from 4 to 5 s. Means over a second are above 300 N from 2.375 to 3.125 s and from 4.375
+    /// to 5.625 s; steps are above it as long as the pulses.
+    #[test]
+    fn the_longest_time_above_a_level_has_no_break() {
+        let two = |t: f64| pulse(t) + 800.0 * (t.clamp(4.0, 5.0) - 4.0);
+        for (over, step, expected) in [
+            (Some(1.0), 0.05, [2.0, 1.25, 2.375]),
+            (Some(1.0), 0.25, [2.0, 1.25, 2.375]),
+            (None, 0.25, [1.5, 1.0, 2.0]),
+        ] {
+            let seen = exposed(two, step, 12.0, Exposure::new(1, &[300.0, 900.0], over)).above;
+            let Above { time, longest, first, .. } = seen[0].unwrap();
+            [time, longest, first.unwrap()]
+                .into_iter()
+                .zip(expected)
+                .for_each(|(seen, expected)| near(seen, expected));
+            assert_eq!(seen[1], Some(Above::default()), "never");
+        }
+        // Somebody who is not there for a step has a break.
+        let mut exposure = Exposure::new(1, &[10.0], None);
+        for k in 0..=10 {
+            exposure.add(f64::from(k) * 0.1, [(k != 4).then_some((100.0, 100.0))].into_iter());
+        }
+        let seen = exposure.so_far()[0].above[0].unwrap();
+        [seen.time, seen.longest]
+            .into_iter()
+            .zip([0.9, 0.6])
+            .for_each(|(seen, expected)| near(seen, expected));
     }
 
     #[test]
@@ -238,7 +312,7 @@ mod tests {
         near(stays.impulse, 200.0);
         near(leaves.impulse, 50.0);
         near(leaves.time, 0.5);
-        near(leaves.above[0].unwrap(), 0.5);
+        near(times(&leaves.above)[0].unwrap(), 0.5);
         near(leaves.largest_mean[1].unwrap(), 50.0);
     }
 }

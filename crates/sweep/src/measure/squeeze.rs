@@ -97,7 +97,7 @@ impl OfSqueeze {
             return None;
         }
         let of = |one: &Exposed| match self.squeeze {
-            What::TimeAbove => one.above.first().copied().flatten(),
+            What::TimeAbove => one.above.first().copied().flatten().map(|above| above.time),
             What::LargestMean => one.largest_mean[self.place()?],
             What::Peak => Some(one.peak),
             What::Impulse => Some(one.impulse),

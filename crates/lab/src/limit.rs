@@ -1,0 +1,84 @@
+//! How long people are above a limit of the squeeze, over frames of a run.
+//!
+//! A page asks a lab of its own, without a run, as it draws. It numbers what it asks about: a run, and one beside it.
+
+use crate::frame::numbers;
+use crate::{Lab, Refused, Reply, require, within};
+use lemons_results::measure::{Above, Exposure};
+use serde::Deserialize;
+use serde_json::json;
+
+/// How many are known at a time.
+const MOST: u32 = 4;
+
+/// Frames more about a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LimitRequest {
+    /// Number of what is asked about, below [`MOST`].
+    number: u32,
+    people: usize,
+    /// \[s\] Of a communication step.
+    step: f64,
+    /// \[N\]
+    limit: f64,
+    /// \[s\] Of means that are compared with it.
+    over: f64,
+    /// Place of the first frame; 0 begins anew.
+    from: u64,
+}
+
+/// What is known of a limit so far.
+pub struct Known {
+    of: LimitRequest,
+    /// Place of the next frame.
+    next: u64,
+    exposure: Exposure,
+}
+
+/// Adds frames. The bytes have a double for each person of each frame: the squeeze \[N\], not a number for who has left. The
+/// answer: how many were above the limit, when at first \[s\], who was longest without a break and how long \[s\], and the time
+/// of all of them \[s\]; null if the run is shorter than the means, or a step is longer.
+///
+/// # Errors
+/// The bytes are no frames, or not those that are next.
+pub fn add(lab: &mut Lab, wanted: &LimitRequest, bytes: &[u8]) -> Result<Reply, Refused> {
+    let LimitRequest { number, people, step, limit, over, from } = *wanted;
+    require(number < MOST, || format!("number {number}: must be below {MOST}"))?;
+    within("communication step [s]", step, [1e-9, 1e9])?;
+    within("limit of the squeeze [N]", limit, [0.0, 1e9])?;
+    within("time of means [s]", over, [1e-3, 1e4])?;
+    require(people > 0 && bytes.len().is_multiple_of(8 * people), || {
+        format!("{} bytes are not frames of {people} people", bytes.len())
+    })?;
+    let mut known = match lab.limits.remove(&number) {
+        _ if from == 0 => {
+            Known { of: *wanted, next: 0, exposure: Exposure::new(people, &[limit], Some(over)) }
+        }
+        Some(known)
+            if known.next == from && known.of == (LimitRequest { from: known.of.from, ..*wanted }) =>
+        {
+            known
+        }
+        _ => return Err(Refused(format!("frame {from} is not the next one of this limit: begin anew"))),
+    };
+    for frame in numbers(bytes).chunks(people) {
+        let squeeze = frame.iter().map(|&squeeze| squeeze.is_finite().then_some((squeeze, squeeze)));
+        known.exposure.add(known.next as f64 * step, squeeze);
+        known.next += 1;
+    }
+    let all: Option<Vec<Above>> = known.exposure.so_far().iter().map(|one| one.above[0]).collect();
+    lab.limits.insert(number, known);
+    let value = all.map(|all| {
+        let first = all.iter().filter_map(|one| one.first);
+        let who = (0..people).reduce(|a, b| if all[b].longest > all[a].longest { b } else { a });
+        json!({
+            "people": first.clone().count(),
+            "first": first.reduce(f64::min),
+            "who": who,
+            "longest": who.map(|who| all[who].longest),
+            "time": all.iter().map(|one| one.time).sum::<f64>(),
+        })
+    });
+    Ok(Reply::of(json!({ "above": value })))
+}

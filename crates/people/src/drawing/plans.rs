@@ -1,0 +1,566 @@
+//! Plans as architects draw them, made from seeds, against areas and doors that are known by hand.
+
+use super::*;
+use crate::Door;
+use lemons_core::plane::vec2;
+use std::fmt::Write;
+
+/// A sequence of numbers from a seed (Knuth's constants).
+struct Random(u64);
+
+impl Random {
+    fn part(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.part()
+    }
+
+    /// To the centimetre, as architects do.
+    fn length(&mut self, low: f64, high: f64) -> f64 {
+        (self.within(low, high) * 100.0).round() / 100.0
+    }
+
+    fn of(&mut self, count: usize) -> usize {
+        (self.part() * count as f64) as usize
+    }
+
+    fn yes(&mut self) -> bool {
+        self.part() < 0.5
+    }
+}
+
+/// Names of layers: walls, doors, windows, columns, furniture, stairs, axes, hatches, texts. The last ones say nothing.
+const NAMES: [[&str; 9]; 6] = [
+    ["A-WALL", "A-DOOR", "A-GLAZ", "A-COLS", "A-FURN", "A-STAIR", "A-GRID", "A-HATCH", "A-ANNO"],
+    ["Wände", "Türen", "Fenster", "Stützen", "Möbel", "Treppen", "Achsen", "Schraffur", "Beschriftung"],
+    ["WAENDE_TRAGEND", "TUEREN", "FENSTER", "STUETZEN", "THEKE", "TREPPE", "RASTER", "SCHRAFFUREN", "TEXTE"],
+    ["MURS", "PORTES", "FENETRES", "POTEAUX", "MOBILIER", "ESCALIERS", "AXES", "HACHURES", "COTES"],
+    ["Cloisons", "Portes", "Fenêtres", "Poteaux", "Comptoir", "Escalier", "Trame", "Hachure", "Texte"],
+    ["L1", "L2", "Fenster", "L4", "Bar", "L6", "L7", "L8", "L9"],
+];
+
+/// A plan in the making: lengths in m, in a frame of its own.
+struct Made {
+    random: Random,
+    layers: [&'static str; 9],
+    /// Length of a unit \[m\], and its number in `$INSUNITS`.
+    unit: (f64, u32),
+    turned: f64,
+    moved: Vec2,
+    blocks: String,
+    entities: String,
+}
+
+impl Made {
+    fn place(&self, at: Vec2) -> Vec2 {
+        let (sin, cos) = self.turned.sin_cos();
+        vec2(at.x * cos - at.y * sin, at.x * sin + at.y * cos) + self.moved
+    }
+
+    fn point(&self, code: u32, at: Vec2) -> String {
+        let at = self.place(at) / self.unit.0;
+        format!("{code}\n{:.6}\n{}\n{:.6}\n", at.x, code + 10, at.y)
+    }
+
+    fn line(&mut self, layer: usize, a: Vec2, b: Vec2) {
+        let (a, b) = (self.point(10, a), self.point(11, b));
+        let _ = write!(self.entities, "0\nLINE\n8\n{}\n{a}{b}", self.layers[layer]);
+    }
+
+    fn chain(&mut self, layer: usize, corners: &[Vec2], closed: bool) {
+        if self.random.yes() {
+            let points: String = corners.iter().map(|corner| self.point(10, *corner)).collect();
+            let layer = self.layers[layer];
+            let _ = write!(self.entities, "0\nLWPOLYLINE\n8\n{layer}\n70\n{}\n{points}", u8::from(closed));
+            return;
+        }
+        let ends = corners.iter().skip(1).chain(closed.then(|| &corners[0]));
+        for (a, b) in corners.iter().zip(ends) {
+            self.line(layer, *a, *b);
+        }
+    }
+
+    fn arc(&mut self, layer: usize, centre: Vec2, radius: f64, from: f64, to: f64) {
+        let (centre, turned) = (self.point(10, centre), self.turned.to_degrees());
+        let _ = write!(
+            self.entities,
+            "0\nARC\n8\n{}\n{centre}40\n{}\n50\n{}\n51\n{}\n",
+            self.layers[layer],
+            radius / self.unit.0,
+            from + turned,
+            to + turned
+        );
+    }
+
+    fn insert(&mut self, layer: usize, block: &str, at: Vec2) {
+        let at = self.point(10, at);
+        let turned = self.turned.to_degrees();
+        let _ = write!(self.entities, "0\nINSERT\n8\n{}\n2\n{block}\n{at}50\n{turned}\n", self.layers[layer]);
+    }
+
+    /// A leaf that hangs at `hinge`, opens towards `into`, and reaches `shut`.
+    fn swing(&mut self, hinge: Vec2, shut: Vec2, into: Vec2) {
+        let radius = (shut - hinge).norm();
+        let open = hinge + into * radius;
+        if self.random.yes() {
+            self.line(1, hinge, open);
+        } else {
+            let off = (shut - hinge) / radius * 0.04;
+            self.chain(1, &[hinge, open, open + off, hinge + off], true);
+        }
+        let angle = |at: Vec2| (at.y - hinge.y).atan2(at.x - hinge.x).to_degrees();
+        let (a, b) = (angle(shut), angle(open));
+        let (from, to) = if (b - a).rem_euclid(360.0) < 180.0 { (a, b) } else { (b, a) };
+        self.arc(1, hinge, radius, from, to);
+    }
+
+    fn dxf(&self) -> String {
+        format!(
+            "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n{}\n0\nENDSEC\n0\nSECTION\n2\nBLOCKS\n{}0\nENDSEC\n0\nSECTION\n2\n\
+             ENTITIES\n{}0\nENDSEC\n0\nEOF\n",
+            self.unit.1, self.blocks, self.entities
+        )
+    }
+}
+
+/// An opening of a wall: from and to along the side, and whether it is a window.
+type Cut = (f64, f64, bool);
+
+/// What is known by hand.
+struct Known {
+    dxf: String,
+    /// \[m²\] Within walls, and what obstacles take of it.
+    area: f64,
+    obstacles: f64,
+    doors: Vec<(Vec2, f64)>,
+    passages: usize,
+    windows: usize,
+    /// Of the outer walls.
+    thickness: f64,
+    small_gap: bool,
+    stairs: bool,
+}
+
+/// A hall, perhaps with a second room, and what architects draw in it.
+fn made(seed: u64) -> Known {
+    let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+    random.part();
+    let units = [(0.001, 4), (0.01, 5), (1.0, 6)];
+    let (layers, unit) = (NAMES[random.of(NAMES.len())], units[random.of(3)]);
+    let turned = if random.yes() { 0.0 } else { random.within(-3.0, 3.0) };
+    let moved = vec2(random.within(-500.0, 500.0), random.within(-500.0, 500.0));
+    let mut plan =
+        Made { random, layers, unit, turned, moved, blocks: String::new(), entities: String::new() };
+    let (width, height) = (plan.random.length(20.0, 32.0), plan.random.length(10.0, 18.0));
+    let t = plan.random.length(0.05, 0.40);
+    let small_gap = plan.random.of(4) == 0;
+    let capped = plan.random.of(4) > 0;
+    let mut known = Known {
+        dxf: String::new(),
+        area: width * height,
+        obstacles: 0.0,
+        doors: Vec::new(),
+        passages: 0,
+        windows: 0,
+        thickness: t,
+        small_gap,
+        stairs: plan.random.yes(),
+    };
+    // The sides, counter-clockwise: where they begin, where they go, how long they are.
+    let sides = [
+        (vec2(0.0, 0.0), vec2(1.0, 0.0), width),
+        (vec2(width, 0.0), vec2(0.0, 1.0), height),
+        (vec2(width, height), vec2(-1.0, 0.0), width),
+        (vec2(0.0, height), vec2(0.0, -1.0), height),
+    ];
+    let mut openings: Vec<(usize, Vec<Cut>)> = Vec::new();
+    let total = 1 + plan.random.of(4);
+    for side in 0..4 {
+        let mut cuts = Vec::new();
+        if side < total {
+            let long = plan.random.length(0.8, 2.6);
+            let from = plan.random.length(0.6, 3.0);
+            cuts.push((from, from + long, false));
+            let window = plan.random.length(0.9, 2.0);
+            if plan.random.of(3) == 0 {
+                let from = plan.random.length(6.5, 7.0);
+                cuts.push((from, from + window, true));
+            }
+        }
+        openings.push((side, cuts));
+    }
+    // Walls between openings, each a band: along sides from one opening over corners to the next.
+    let at = |(side, along): (usize, f64), off: f64| {
+        let (begin, way, _) = sides[side];
+        begin + way * along + vec2(way.y, -way.x) * off
+    };
+    let corner = |side: usize, off: f64| {
+        let (begin, way, _) = sides[side];
+        let before = sides[(side + 3) % 4].1;
+        begin + vec2(way.y, -way.x) * off + vec2(before.y, -before.x) * off
+    };
+    let all: Vec<(usize, Cut)> =
+        openings.iter().flat_map(|(side, cuts)| cuts.iter().map(move |cut| (*side, *cut))).collect();
+    for (k, (side, (_, to, _))) in all.iter().enumerate() {
+        let (next, (until, ..)) = all[(k + 1) % all.len()];
+        let turns = match next as i64 - *side as i64 {
+            0 if all.len() > 1 && until > *to => 0,
+            turns => {
+                if turns <= 0 {
+                    turns + 4
+                } else {
+                    turns
+                }
+            }
+        };
+        let over: Vec<usize> = (1..=turns as usize).map(|k| (side + k) % 4).collect();
+        let line = |off: f64| -> Vec<Vec2> {
+            let corners = over.iter().map(|side| corner(*side, off));
+            std::iter::once(at((*side, *to), off)).chain(corners).chain([at((next, until), off)]).collect()
+        };
+        let (inner, outer) = (line(0.0), line(t));
+        if small_gap && inner.len() > 2 {
+            // The inner line ends 2 cm before a corner.
+            let way = (inner[1] - inner[0]).normalize();
+            plan.line(0, inner[0], inner[1] - way * 0.02);
+            plan.chain(0, &inner[1..], false);
+            plan.chain(0, &outer, false);
+            plan.line(0, inner[0], outer[0]);
+            plan.line(0, inner[inner.len() - 1], outer[outer.len() - 1]);
+        } else if capped {
+            let ring: Vec<Vec2> = inner.iter().chain(outer.iter().rev()).copied().collect();
+            plan.chain(0, &ring, true);
+        } else {
+            plan.chain(0, &inner, false);
+            plan.chain(0, &outer, false);
+        }
+    }
+    for (side, (from, to, is_window)) in all {
+        let (_, way, _) = sides[side];
+        let outwards = vec2(way.y, -way.x);
+        if is_window {
+            known.windows += 1;
+            for off in [0.0, 0.5 * t, t] {
+                plan.line(2, at((side, from), off), at((side, to), off));
+            }
+            continue;
+        }
+        known.doors.push((plan.place(at((side, 0.5 * (from + to)), 0.0)), to - from));
+        let level = if plan.random.yes() { t } else { 0.0 };
+        let into = if level > 0.0 { outwards } else { -outwards };
+        let (a, b) = (at((side, from), level), at((side, to), level));
+        match to - from {
+            long if long > 1.4 => {
+                plan.swing(a, (a + b) * 0.5, into);
+                plan.swing(b, (a + b) * 0.5, into);
+            }
+            _ if plan.random.yes() => plan.swing(a, b, into),
+            _ => plan.swing(b, a, into),
+        }
+    }
+    // A wall between two rooms, with a door in it, or one that ends in the room.
+    let thin = plan.random.length(0.05, 0.2);
+    let x = plan.random.length(9.2, width - 9.6);
+    match plan.random.of(3) {
+        0 => {
+            let (low, high) = (plan.random.length(3.0, 4.0), plan.random.length(4.8, 5.2));
+            plan.chain(0, &[vec2(x, 0.0), vec2(x, low), vec2(x + thin, low), vec2(x + thin, 0.0)], false);
+            plan.chain(
+                0,
+                &[vec2(x, height), vec2(x, high), vec2(x + thin, high), vec2(x + thin, height)],
+                false,
+            );
+            plan.swing(vec2(x, low), vec2(x, high), vec2(-1.0, 0.0));
+            known.area -= thin * (height - (high - low));
+            known.passages = 1;
+        }
+        1 => {
+            let low = plan.random.length(4.0, 5.0);
+            plan.chain(
+                0,
+                &[vec2(x, height), vec2(x, low), vec2(x + thin, low), vec2(x + thin, height)],
+                false,
+            );
+            known.area -= thin * (height - low);
+        }
+        _ => (),
+    }
+    // Columns as blocks: squares with diagonals, and round ones.
+    let (side, radius) = (plan.random.length(0.3, 0.6), plan.random.length(0.15, 0.3));
+    let half = 0.5 * side / unit.0;
+    let ring: String = [(-half, -half), (half, -half), (half, half), (-half, half)]
+        .map(|(x, y)| format!("10\n{x}\n20\n{y}\n"))
+        .concat();
+    plan.blocks = format!(
+        "0\nBLOCK\n2\nSQUARE\n10\n0\n20\n0\n0\nLWPOLYLINE\n8\n0\n70\n1\n{ring}0\nLINE\n8\n0\n10\n{0}\n20\n{0}\n11\n{1}\n\
+         21\n{1}\n0\nLINE\n8\n0\n10\n{0}\n20\n{1}\n11\n{1}\n21\n{0}\n0\nENDBLK\n0\nBLOCK\n2\nROUND\n10\n0\n20\n0\n0\n\
+         CIRCLE\n8\n0\n10\n0\n20\n0\n40\n{2}\n0\nENDBLK\n",
+        -half,
+        half,
+        radius / unit.0
+    );
+    for k in 0..3 {
+        let x = 4.0 + 2.0 * f64::from(k);
+        plan.insert(3, "SQUARE", vec2(x, 6.0));
+        plan.insert(3, "ROUND", vec2(x, 8.0));
+        known.obstacles += side * side + std::f64::consts::PI * radius * radius;
+    }
+    // A bar: part of a ring, or a table.
+    if plan.random.yes() {
+        let (centre, inner, outer) = (vec2(0.0, 7.0), 2.0, 2.6);
+        let at = |radius: f64, angle: f64| {
+            centre + vec2(angle.to_radians().cos(), angle.to_radians().sin()) * radius
+        };
+        for radius in [inner, outer] {
+            plan.arc(4, centre, radius, -50.0, 50.0);
+        }
+        for angle in [-50.0, 50.0] {
+            plan.line(4, at(inner, angle), at(outer, angle));
+        }
+        known.obstacles += 100.0_f64.to_radians() * 0.5 * (outer * outer - inner * inner);
+    } else {
+        plan.chain(4, &[vec2(1.0, 5.0), vec2(1.8, 5.0), vec2(1.8, 9.0), vec2(1.0, 9.0)], true);
+        known.obstacles += 3.2;
+    }
+    if known.stairs {
+        for k in 0..8 {
+            let x = width - 3.0 + 0.29 * f64::from(k);
+            plan.line(5, vec2(x, height - 1.2), vec2(x, height));
+        }
+    }
+    // Axes run through the columns to far beyond the walls.
+    for x in [4.0, 6.0, 8.0] {
+        plan.line(6, vec2(x, -5.0), vec2(x, height + 5.0));
+    }
+    plan.line(6, vec2(-4.0, 6.0), vec2(width + 4.0, 6.0));
+    let at = plan.point(10, vec2(5.0, 5.0));
+    let (hatch, text) = (layers[7], layers[8]);
+    let _ = write!(plan.entities, "0\nHATCH\n8\n{hatch}\n{at}0\nTEXT\n8\n{text}\n{at}1\nHall\n");
+    known.dxf = plan.dxf();
+    known
+}
+
+const METRES: Reading = Reading { unit: Some(1.0), deviation: DEVIATION };
+
+fn drawing(dxf: &str) -> Drawing {
+    Drawing::read(Format::Dxf, dxf.as_bytes(), &Reading::default()).unwrap()
+}
+
+fn proposal(dxf: &str) -> Proposal {
+    Proposal::of(&drawing(dxf), &[], None, None).unwrap().unwrap()
+}
+
+#[test]
+fn plans_of_architects_have_the_areas_and_doors_that_are_known() {
+    for seed in 0..300 {
+        let known = made(seed);
+        let found = proposal(&known.dxf);
+        let say = || format!("seed {seed}: {:#?}", found.said());
+        // 1 mm along the rim, for rounding in the file.
+        assert!(
+            (found.areas[0] - known.area).abs() < 0.05,
+            "{} for {}; {}",
+            found.areas[0],
+            known.area,
+            say()
+        );
+        let obstacles = found.areas[0] - found.areas[1];
+        // Straight pieces are inside of arcs.
+        assert!((obstacles - known.obstacles).abs() < 0.05 * known.obstacles, "{obstacles}; {}", say());
+        let (doors, mut left) = (found.doors(), known.doors.clone());
+        left.retain(|(at, width)| {
+            !doors.iter().any(|door: &Door| (door.at - at).norm() < 2e-3 && (door.width - width).abs() < 2e-3)
+        });
+        assert!(left.is_empty() && doors.len() == known.doors.len(), "left {left:?}; {}", say());
+        let count = |kind: &str| found.gaps.iter().filter(|gap| gap.kind() == kind).count();
+        assert_eq!((count("passage"), count("window")), (known.passages, known.windows), "{}", say());
+        assert!(found.gaps.iter().all(|gap| gap.kind() != "door" || gap.leaves > 0), "{}", say());
+        let thickest = found.thicknesses.first().unwrap().0;
+        assert!((thickest - known.thickness).abs() < 2e-3, "{thickest} for {}; {}", known.thickness, say());
+        assert_eq!(found.close.is_some(), known.small_gap, "{}", say());
+        assert_eq!(found.flights.len(), usize::from(known.stairs), "{}", say());
+        // What the options take is what was proposed.
+        let settings = PlanSettings {
+            close: found.close,
+            walls: found.walls.clone(),
+            enclosing: Some(found.enclosing.clone()),
+            ..PlanSettings::default()
+        };
+        let mut plan = Plan::of(drawing(&known.dxf), &settings).unwrap();
+        assert!((plan.area().unwrap() - found.areas[1]).abs() < 1e-6, "{}", say());
+        doors.iter().for_each(|door| plan.add_door(door).unwrap());
+        assert_eq!(plan.doors().len(), doors.len(), "{}", say());
+        // Without them, nobody guesses.
+        let read = Read::of(Format::Dxf, known.dxf.as_bytes(), &Reading::default(), &PlanSettings::default());
+        assert!(read.unwrap().doubt.is_some(), "{}", say());
+    }
+}
+
+/// A DXF in m of closed and open lines on layers, and swings that hang at a place and are shut at another.
+fn drawn(lines: &[(&str, &[[f64; 2]], bool)], swings: &[([f64; 2], [f64; 2])]) -> String {
+    let mut plan = Made {
+        random: Random(1),
+        layers: ["", "Doors", "", "", "", "", "", "", ""],
+        unit: (1.0, 6),
+        turned: 0.0,
+        moved: Vec2::zeros(),
+        blocks: String::new(),
+        entities: String::new(),
+    };
+    for (layer, corners, closed) in lines {
+        let points: String = corners.iter().map(|corner| plan.point(10, Vec2::from(*corner))).collect();
+        let _ = write!(plan.entities, "0\nLWPOLYLINE\n8\n{layer}\n70\n{}\n{points}", u8::from(*closed));
+    }
+    for (hinge, shut) in swings {
+        let (hinge, shut) = (Vec2::from(*hinge), Vec2::from(*shut));
+        let way = (shut - hinge).normalize();
+        plan.swing(hinge, shut, vec2(-way.y, way.x));
+    }
+    plan.dxf()
+}
+
+/// Corners of a box, from its lower left and upper right ones.
+fn rect(left: f64, low: f64, right: f64, high: f64) -> [[f64; 2]; 4] {
+    [[left, low], [right, low], [right, high], [left, high]]
+}
+
+#[test]
+fn swings_on_walls_without_gaps_are_doors_and_passages() {
+    let wall = [[6.0, 0.0], [6.0, 8.0], [6.15, 8.0], [6.15, 0.0]];
+    let lines: [(&str, &[[f64; 2]], bool); 3] = [
+        ("Walls", &rect(0.0, 0.0, 10.0, 8.0), true),
+        ("Walls", &rect(-0.3, -0.3, 10.3, 8.3), true),
+        ("Walls", &wall, false),
+    ];
+    let found = proposal(&drawn(&lines, &[([2.0, 0.0], [3.0, 0.0]), ([6.0, 3.0], [6.0, 4.0])]));
+    assert!((found.areas[0] - (80.0 - 0.15 * 7.0)).abs() < 1e-3, "{:#?}", found.said());
+    assert_eq!(found.doors(), [Door::new(vec2(2.5, 0.0), 1.0)]);
+    assert_eq!(found.gaps.iter().map(Gap::kind).collect::<Vec<_>>(), ["door", "passage"]);
+}
+
+#[test]
+fn what_is_not_clear_is_asked_for() {
+    // A gap of 4 m, one without a leaf, a layer that says nothing.
+    let ring = [
+        [7.0, 0.0],
+        [10.0, 0.0],
+        [10.0, 8.0],
+        [0.0, 8.0],
+        [0.0, 0.0],
+        [3.0, 0.0],
+        [3.0, -0.24],
+        [-0.24, -0.24],
+        [-0.24, 8.24],
+        [10.24, 8.24],
+        [10.24, -0.24],
+        [7.0, -0.24],
+    ];
+    let strange = [[1.0, 5.0], [2.0, 6.0], [3.0, 5.0]];
+    let lines: [(&str, &[[f64; 2]], bool); 3] =
+        [("Walls", &ring, true), ("Q7", &strange, false), ("Furniture", &rect(4.0, 3.0, 6.0, 4.0), true)];
+    let dxf = drawn(&lines, &[]);
+    let found = proposal(&dxf);
+    let asks =
+        |found: &Proposal, words: &str| found.questions.iter().any(|question| question.contains(words));
+    assert!(found.ground.is_empty() && found.doors().is_empty());
+    for words in
+        ["The walls enclose nothing", "gap of 4 m from 3,-0.12 to 7,-0.12", "on layer \"Q7\"? 1 line"]
+    {
+        assert!(asks(&found, words), "{:?}", found.questions);
+    }
+    let settings = |widest| PlanSettings {
+        walls: found.walls.clone(),
+        enclosing: Some(Enclosing { obstacles: found.enclosing.obstacles.clone(), widest }),
+        ..PlanSettings::default()
+    };
+    let refused = Plan::of(drawing(&dxf), &settings(3.0)).unwrap_err().to_string();
+    assert!(refused.contains("the walls enclose nothing: gaps of more than 3 m are not closed"), "{refused}");
+    let plan = Plan::of(drawing(&dxf), &settings(4.0)).unwrap();
+    assert!((plan.area().unwrap() - 78.0).abs() < 1e-9);
+    let missing = PlanSettings { walls: vec!["Wall".into()], ..settings(4.0) };
+    let refused = Plan::of(drawing(&dxf), &missing).unwrap_err().to_string();
+    assert!(
+        refused.contains("there are no lines on layer \"Wall\"; layers are: Furniture, Q7, Walls"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn an_outline_of_single_lines_with_a_gap_is_not_the_table_in_it() {
+    let walls = [[5.6, 0.0], [10.0, 0.0], [10.0, 8.0], [0.0, 8.0], [0.0, 0.0], [4.4, 0.0]];
+    let table = rect(3.0, 3.0, 5.0, 4.0);
+    let lines: [(&str, &[[f64; 2]], bool); 2] = [("0", &walls, false), ("0", &table, true)];
+    let dxf = drawn(&lines, &[]);
+    let read = Read::of(Format::Dxf, dxf.as_bytes(), &METRES, &PlanSettings::default()).unwrap();
+    assert!(
+        read.doubt
+            .is_some_and(|doubt| doubt.contains("lies around 2.0 m², all walls together around 80.0 m²"))
+    );
+    let found = proposal(&dxf);
+    assert!((found.areas[0] - 78.0).abs() < 1e-9);
+    assert_eq!(found.doors(), [Door::new(vec2(5.0, 0.0), 1.2)]);
+    assert!(found.questions.iter().any(|question| question.contains("1.2 m wide at 5,0 a door")));
+    // Where nothing is in doubt, nobody is asked.
+    let closed: [(&str, &[[f64; 2]], bool); 2] =
+        [("0", &rect(0.0, 0.0, 10.0, 8.0), true), ("0", &table, true)];
+    let read =
+        Read::of(Format::Dxf, drawn(&closed, &[]).as_bytes(), &METRES, &PlanSettings::default()).unwrap();
+    assert_eq!(read.doubt, None);
+    // A partition of one line, with a gap in it, stays, and one that ends in the room.
+    let mut lines: Vec<(&str, &[[f64; 2]], bool)> = vec![("0", &walls, false)];
+    let parts = [[[7.0, 0.0], [7.0, 3.0]], [[7.0, 4.0], [7.0, 8.0]], [[2.0, 8.0], [2.0, 6.0]]];
+    lines.extend(parts.iter().map(|part| ("0", &part[..], false)));
+    let dxf = drawn(&lines, &[]);
+    let found = proposal(&dxf);
+    assert!((found.areas[0] - 80.0).abs() < 1e-6, "{:#?}", found.said());
+    let open: f64 = found.open.iter().map(|[a, b]| (b - a).norm()).sum();
+    assert!((open - 9.0).abs() < 1e-9, "{:?}", found.open);
+    let settings = PlanSettings { enclosing: Some(found.enclosing.clone()), ..PlanSettings::default() };
+    assert_eq!(Plan::of(drawing(&dxf), &settings).unwrap().walls.len(), 4);
+    // Column by column along the middle, no gap is a passage.
+    let columns: Vec<[[f64; 2]; 4]> =
+        (0..4).map(|k| 1.0 + 2.4 * f64::from(k)).map(|x| rect(x, 5.0, x + 0.4, 5.4)).collect();
+    let mut lines: Vec<(&str, &[[f64; 2]], bool)> = vec![("0", &walls, false)];
+    lines.extend(columns.iter().map(|column| ("0", &column[..], true)));
+    let found = proposal(&drawn(&lines, &[]));
+    assert_eq!(found.gaps.iter().map(Gap::kind).collect::<Vec<_>>(), ["door"], "{:#?}", found.said());
+    assert!((found.areas[0] - (80.0 - 0.64)).abs() < 1e-6);
+}
+
+#[test]
+fn the_plan_of_an_architect_has_384_square_metres() {
+    let path =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/cases/plan_dirty/plan.dxf");
+    let Ok(dxf) = std::fs::read_to_string(&path) else {
+        return eprintln!("{} is not here: nothing is tested", path.display());
+    };
+    let found = proposal(&dxf);
+    // 24 m by 16 m; a partition of 0.1 m by 5.2 m; six columns and a bar, of straight pieces.
+    assert!((found.areas[0] - (384.0 - 0.52)).abs() < 1e-6);
+    let obstacles =
+        3.0 * 0.16 + 3.0 * 0.09 * std::f64::consts::PI + (3.6 * 3.6 - 9.0) * std::f64::consts::PI / 3.0;
+    assert!((found.areas[0] - found.areas[1] - obstacles).abs() < 0.05);
+    assert_eq!(found.doors(), [Door::new(vec2(125.0, 45.0), 1.2), Door::new(vec2(144.0, 52.9), 1.8)]);
+    assert_eq!(found.closed.len(), 3);
+}
+
+#[test]
+fn too_many_lines_are_refused_with_a_number() {
+    let refused = |lines: Vec<[[f64; 2]; 2]>| {
+        let lines: Vec<(&str, &[[f64; 2]], bool)> =
+            lines.iter().map(|line| ("0", &line[..], false)).collect();
+        Proposal::of(&drawing(&drawn(&lines, &[])), &[], None, None).unwrap_err().to_string()
+    };
+    let place = |k: u32| 0.2 * f64::from(k);
+    let crossing =
+        (0..500).flat_map(|k| [[[place(k), -1.0], [place(k), 101.0]], [[-1.0, place(k)], [101.0, place(k)]]]);
+    let said = refused(crossing.collect());
+    assert!(said.contains("cross each other at more than 200000 places"), "{said}");
+    let many = (0..20_001).map(|k| [[place(k), 0.0], [place(k), 0.1]]).collect();
+    assert!(refused(many).contains("more than 20000 straight pieces"));
+    let near = (0..5000).map(|k| [[0.001 * place(k), 0.0], [0.001 * place(k), 9.0]]).collect();
+    assert!(refused(near).contains("too many lines are near each other"));
+}
