@@ -417,7 +417,8 @@ mod tests {
         // 30 bars across 30 others have 900 places where they cross.
         let bar = |k: u32| {
             let at = f64::from(k / 2);
-            let sides = if k % 2 == 0 { [at, -1.0, at + 0.5, 31.0] } else { [-1.0, at, 31.0, at + 0.5] };
+            let sides =
+                if k.is_multiple_of(2) { [at, -1.0, at + 0.5, 31.0] } else { [-1.0, at, 31.0, at + 0.5] };
             rectangle(sides, 0.3, Vec2::zeros(), 0.0)
         };
         let bars: Vec<Polygon> = (0..60).map(bar).collect();

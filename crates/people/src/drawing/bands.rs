@@ -527,7 +527,7 @@ fn on_walls<'a>(
             .flat_map(|k| [along.left(), -along.left()].map(|way| (k, way)))
             .filter_map(|(k, way)| {
                 let far = pieces[k].met_by(middle - way * OVERLAP, way)?;
-                (far >= 0.0 && far <= SWING_OFF).then(|| far * way.dot(&along.left()))
+                (0.0..=SWING_OFF).contains(&far).then(|| far * way.dot(&along.left()))
             })
             .collect();
         levels.sort_by(f64::total_cmp);

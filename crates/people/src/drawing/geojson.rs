@@ -105,10 +105,13 @@ impl Walk<'_> {
             check_name(name).map_err(|error| PeopleError::new(format!("{at}: {error}")))?;
         }
         // Only the name of a layer has something before it; the others are free text.
-        let of: [fn(&str) -> Option<(Role, String)>; 3] = [Role::of, Role::of_name, Role::of_name];
-        let mut roles = texts.into_iter().zip(of).filter_map(|(text, of)| Some((text?, of(text?)?)));
+        let role = |(k, text): (usize, Option<&'_ str>)| {
+            let text = text?;
+            Some((text.to_owned(), if k == 0 { Role::of(text) } else { Role::of_name(text) }?))
+        };
+        let mut roles = texts.into_iter().enumerate().filter_map(role);
         let (with_role, role) = roles.next().unzip();
-        let layer = with_role.or(texts.into_iter().flatten().next()).unwrap_or("").to_owned();
+        let layer = with_role.or(texts.into_iter().flatten().next().map(str::to_owned)).unwrap_or_default();
         let name = texts[1].filter(|name| *name != layer).map(str::to_owned);
         self.tracer.take(Line {
             layer,

@@ -482,7 +482,9 @@ fn what_is_not_clear_is_asked_for() {
     let missing = PlanSettings { walls: vec!["Wall".into()], ..settings(4.0) };
     let refused = Plan::of(drawing(&dxf), &missing).unwrap_err().to_string();
     assert!(
-        refused.contains("there are no lines on layer \"Wall\"; layers are: Furniture, Q7, Walls"),
+        refused.contains(
+            "there is no layer \"Wall\" for walls in this drawing; there are \"Furniture\", \"Q7\", \"Walls\""
+        ),
         "{refused}"
     );
 }

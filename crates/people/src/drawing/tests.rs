@@ -1164,7 +1164,7 @@ fn what_is_in_other_files_or_cut_off_is_said() {
     assert!(of("0").is_empty());
 
     let whole = dxf_of("", "", square);
-    let cut = |end: &str| Drawing::read(Format::Dxf, whole[..whole.find(end).unwrap()].as_bytes(), &METRES);
+    let cut = |end: &str| Drawing::read(Format::Dxf, &whole.as_bytes()[..whole.find(end).unwrap()], &METRES);
     let error = cut("6\n0\nENDSEC\n0\nEOF").unwrap_err().to_string();
     assert!(error.ends_with("without its value"), "{error}");
     let error = cut("20\n6\n0\nENDSEC\n0\nEOF").unwrap_err().to_string();

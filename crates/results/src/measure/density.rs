@@ -135,7 +135,7 @@ mod tests {
         let places: Vec<(f64, f64)> =
             (0..20).flat_map(|k| [-0.05, 1.0, 2.2].map(|y| (0.25 + 0.5 * f64::from(k), y))).collect();
         let heads: Vec<Vec2> = places.iter().map(|(x, y)| vec2(*x, *y)).collect();
-        let line = |y: f64| Wall::new(&y.to_string(), "stone", vec![vec2(0.0, y), vec2(10.0, y)]);
+        let line = |y: f64| Wall::new(y.to_string(), "stone", vec![vec2(0.0, y), vec2(10.0, y)]);
         let all_around: Vec<Vec2> = square(0.0, 10.0).corners().to_vec();
         let closed = all_around.iter().map(|p| vec2(p.x, 0.2 * p.y)).chain([vec2(0.0, 0.0)]).collect();
         let area = MeasuringArea::of_numbers(&[2.0, -0.5, 8.0, 2.5]).unwrap();
