@@ -142,7 +142,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--models", nargs="+", choices=MODELS, default=list(MODELS), metavar="NAME", help="default all")
     parser.add_argument("--densities", nargs="+", type=float, default=[2, 3, 4, 5, 6, 7, 8], metavar="N", help="people per m²; default 2 to 8")
-    parser.add_argument("--number", type=int, default=2000, metavar="N", help="number of people; default 2000")
+    parser.add_argument("--number", type=int, default=1000, metavar="N", help="number of people; default 1000")
     parser.add_argument("--until", type=float, default=75.0, metavar="S", help="length of the runs; default 75")
     parser.add_argument("--material", metavar="NAME", help="of the people, as of lemons crowd")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the crowd and of the forces; default 1")
