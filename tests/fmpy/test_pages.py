@@ -43,7 +43,7 @@ NOT_RUN = {
     ("docs/lab.md", "lemons lab"): "opens a browser; tests/lab does it",
     ("docs/step.md", "cargo run --release -p lemons-verify --features checks --example steps"): MINUTES,
     ("docs/balance.md", "python examples/legs.py"): "needs measured data, and minutes; test_balance.py has the models",
-    ("docs/balance.md", "python examples/waves.py"): "takes half an hour; test_balance.py runs a small square",
+    ("docs/balance.md", "python examples/waves.py"): "takes a quarter of an hour; test_balance.py runs a small square",
     ("docs/calibration.md", "python examples/calibrate.py"): "needs measured data, and minutes; test_sweep.py runs its parts",
     ("docs/validation.md", "python examples/validation.py"): "takes minutes; test_walking_models.py runs its quick cases",
     ("docs/standards.md", "python examples/standards/book.py"): "takes minutes; test_standards.py runs the quick scenes",
