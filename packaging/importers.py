@@ -42,6 +42,8 @@ class Program:
     calls: list[str]
     #: Words that what it prints must contain, in each call.
     says: str = ""
+    #: Pattern of the errors that it prints, where it ends with 0 in spite of them.
+    errors: str | None = None
     launcher: list[str] = field(default_factory=list)
 
     def command(self) -> list[str] | None:

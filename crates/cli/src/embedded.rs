@@ -5,6 +5,7 @@ use crate::{Command, interrupt, print, read};
 use anyhow::Result;
 use lemons_core::files::words::shortened;
 use lemons_core::trial::Trial;
+use lemons_decision::Plan;
 use lemons_results::Run;
 use std::ffi::OsString;
 use std::sync::atomic::AtomicBool;
@@ -17,6 +18,8 @@ pub struct InMemory {
     pub run: Run,
     /// Shapes and walls.
     pub trial: Trial,
+    /// What its people want.
+    pub plan: Option<Plan>,
 }
 
 /// Result of a command.

@@ -5,6 +5,7 @@ use crate::model::Model;
 use crate::recording::{duration, frame_of, is_width};
 use lemons_cli::embedded::{Done, InMemory, call};
 use lemons_results::Run;
+use lemons_sim::Documents;
 use numpy::{PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -96,5 +97,6 @@ fn in_memory(run: &Bound<'_, PyAny>) -> PyResult<InMemory> {
     let frames = moments.iter().zip(numbers);
     let frames = frames.map(|(time, numbers)| frame_of(*time, numbers, each, leaving)).collect();
     let run = Run { source: run.repr()?.to_string().into(), ids, frames };
-    Ok(InMemory { run, trial: model.documents.trial.clone() })
+    let Documents { trial, plan, .. } = &model.documents;
+    Ok(InMemory { run, trial: trial.clone(), plan: plan.clone() })
 }
