@@ -60,7 +60,7 @@ const SINGULARS: [(&str, Role); 4] = [
 ];
 
 impl Role {
-    /// Returns the role that the name of a layer of a CAD program says, as [`Role::of_name`]. What drawings in drawings put
+    /// Returns the role that the name of a layer of a CAD program says, as `of_name`. What drawings in drawings put
     /// before a name is passed over: `plan$0$exits-0`, `plan|exits-0`, and of numbers `0 - exits-0`.
     pub fn of(layer: &str) -> Option<(Role, String)> {
         const BEFORE: [&str; 6] = ["$", "|", "::", "/", "\\", " - "];
