@@ -249,7 +249,7 @@ def test_plans_become_rooms_as_the_command_reads_them(page: Page, tmp_path: Path
     give(page, "platform.svg", (PLANS / "platform.svg").read_bytes())
     page.get_by_label("Unit of the plan").select_option(label="cm")
     expect(page.get_by_role("button", name="Lay it under the room as a picture")).to_be_visible()
-    made("platform.svg", "--scale", "0.01")
+    made("platform.svg", "--scale", "0.01", door=[(2, 7), (2, 9)])
 
 
 def test_a_new_room_is_empty_but_for_one(page: Page) -> None:
