@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, expect
-from visit import Picture, becomes, download, fill, held, lemons, link, make, plan, rows, same_table, show_at, tab, wait
+from visit import Picture, becomes, download, fill, held, lemons, link, make, plan, rows, same_table, shot, show_at, tab, wait
 
 
 def room(page: Page, people: int) -> None:
@@ -276,9 +276,9 @@ def test_who_waits_for_a_closed_exit_leaves_and_who_is_shut_out_is_stuck(page: P
     expect(told).to_contain_text(f"{len(stuck)} {words}")
     expect(told).to_contain_text(", ".join(stuck))
     # A ring of their own around each.
-    before = page.locator(".frame canvas").first.screenshot()
+    before = shot(page.locator(".frame canvas").first)
     told.get_by_role("button", name="Mark them on the picture").click()
-    wait(page, lambda: page.locator(".frame canvas").first.screenshot() != before)
+    wait(page, lambda: shot(page.locator(".frame canvas").first) != before)
 
 
 def test_a_wall_closes_a_door_until_it_opens(page: Page, tmp_path: Path) -> None:

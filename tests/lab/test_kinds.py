@@ -1,5 +1,6 @@
 """Kinds of people: the mix of the page is that of `lemons crowd --mix`; shares, links, colours, numbers, three dimensions."""
 
+import io
 import re
 import tomllib
 from pathlib import Path
@@ -9,7 +10,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 from test_languages import english, visit
-from visit import Picture, becomes, changed, download, fill, held, lemons, link, live, make, places, plan, rows, tab, wait
+from visit import Picture, becomes, changed, download, fill, held, lemons, link, live, make, places, plan, rows, shot, tab, wait
 
 FIRST = {"adult": 70, "child": 15, "elderly": 10, "wheelchair": 5}
 KINDS = ["Adult", "With a backpack", "Child", "Elderly", "Powered wheelchair", "With a stroller", "With a suitcase", "With a walker", "Wheelchair", "With a child"]
@@ -234,10 +235,9 @@ def test_shares_of_a_link_are_percent_on_sliders_and_in_the_report(page: Page, u
     expect(report.get_by_role("row", name=re.compile("^Bodies disks by kind, human_naked"))).to_be_visible()
 
 
-def grey(page: Page, path: Path) -> float:
+def grey(page: Page) -> float:
     """Share of pixels of the canvas that have the hue of frames, in any light."""
-    page.locator("canvas").first.screenshot(path=path)
-    red, green, blue = np.asarray(Image.open(path).convert("RGB")).astype(float).transpose(2, 0, 1)
+    red, green, blue = np.asarray(Image.open(io.BytesIO(shot(page.locator("canvas").first))).convert("RGB")).astype(float).transpose(2, 0, 1)
     like = (abs(red / np.maximum(blue, 1) - 125 / 148) < 0.05) & (abs(green / np.maximum(blue, 1) - 135 / 148) < 0.05) & (blue > 60) & (blue < 200)
     return float(like.mean())
 
@@ -247,18 +247,18 @@ def test_wheelchairs_are_there_in_three_dimensions_also_of_an_opened_trial(page:
     tab(page, "Crowd")
     page.get_by_label("View").select_option(label="3D")
     page.wait_for_timeout(1500)
-    before = grey(page, tmp_path / "adults.png")
+    before = grey(page)
     page.get_by_label("Children, elderly, luggage, wheelchairs").check()
     share(page, "Wheelchair", 50)
     live(page)
-    wait(page, lambda: grey(page, tmp_path / "chairs.png") > before + 0.005)
+    wait(page, lambda: grey(page) > before + 0.005)
     mesh = download(page, "Bodies (OBJ)", tmp_path).read_text()
     assert "_wheelchair_0\n" in mesh and "_trunk\n" in mesh
     trial = download(page, "Trial (zip)", tmp_path)
     tab(page, "Start")
     page.set_input_files("input[type=file]", trial)
     page.wait_for_timeout(1000)
-    wait(page, lambda: grey(page, tmp_path / "opened.png") > before + 0.005)
+    wait(page, lambda: grey(page) > before + 0.005)
 
 
 @pytest.mark.parametrize(("locale", "chair"), [("de-AT", "Rollstuhl"), ("fr-CA", "Fauteuil roulant")])

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
-from visit import Picture, download, fill, given, lemons, make, plan, rows, show_at, tab, wait
+from visit import Picture, download, fill, given, lemons, make, plan, rows, shot, show_at, tab, wait
 
 #: [m] Standard deviation of a person in a map of the density, and side of a cell of a map of squeeze: docs/lab.md.
 KERNEL, CELL = 0.3, 0.25
@@ -101,7 +101,7 @@ def test_the_squeeze_is_that_of_those_in_each_cell(page: Page, tmp_path: Path) -
     # A ring of ink is around the cell with the greatest value.
     most = found["mean_squeeze_of_means_of_0.1_s"].argmax()
     x, y = picture.pixel(found["x"][most], found["y"][most])
-    shot = np.asarray(Image.open(io.BytesIO(picture.canvas.screenshot())).convert("L")).astype(int)
+    shot = np.asarray(Image.open(io.BytesIO(shot(picture.canvas))).convert("L")).astype(int)
     ring = [shot[round(y + 7 * math.sin(turn)), round(x + 7 * math.cos(turn))] for turn in np.arange(0.1, 2 * math.pi, 0.5)]
     assert np.median(ring) < 90, ring
     # Without a mouse: the number where the selected person stands.

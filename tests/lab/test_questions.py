@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from playwright.sync_api import Browser, Page, expect
-from visit import becomes, download, example, fill, held, lemons, link, people, places, plan, play_until, rows, seconds, show_at, tab, wait
+from visit import becomes, download, example, fill, held, lemons, link, people, places, plan, play_until, rows, seconds, shot, show_at, tab, wait
 
 
 def slide(page: Page, name: str, value: float) -> None:
@@ -127,7 +127,7 @@ def test_two_widths_side_by_side_have_the_numbers_of_the_command(page: Page, tmp
     page.get_by_role("combobox", name="Map").select_option(label="Density")
     expect(page.get_by_role("region", name="Map").get_by_text("601 frames")).to_be_visible()
     main = page.locator(".frame > canvas")
-    dense = lambda of: np.sum(np.abs(np.asarray(Image.open(io.BytesIO(of.screenshot())).convert("RGB")).astype(int) - [0x44, 0x01, 0x54]).sum(axis=2) < 12, axis=(0, 1))
+    dense = lambda of: np.sum(np.abs(np.asarray(Image.open(io.BytesIO(shot(of))).convert("RGB")).astype(int) - [0x44, 0x01, 0x54]).sum(axis=2) < 12, axis=(0, 1))
     # Words lie over other parts of the one than of the other.
     wait(page, lambda: abs(dense(beside) / max(1, dense(main)) - 1) < 0.25)
     wide = dense(main)

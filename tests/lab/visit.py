@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from playwright.sync_api import Download, FloatRect, Page, expect
+from playwright.sync_api import Download, Error, FloatRect, Locator, Page, expect
 
 # What tests/fmpy uses, too.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "common"))
@@ -101,6 +101,17 @@ def wait(page: Page, holds: Callable[[], bool], limit: float = PATIENCE) -> None
     while not holds():
         assert time.monotonic() - begun < limit
         page.wait_for_timeout(50)
+
+
+def shot(of: Locator, limit: float = PATIENCE) -> bytes:
+    """A picture (PNG) of an element, also if the page puts another one in its place meanwhile."""
+    begun = time.monotonic()
+    while True:
+        try:
+            return of.screenshot()
+        except Error:
+            if time.monotonic() - begun > limit:
+                raise
 
 
 def becomes(page: Page, asked: Callable[[], object], wanted: object, limit: float = PATIENCE) -> None:
