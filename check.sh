@@ -98,7 +98,8 @@ build() {
         stage cargo build "${whole[@]}" --lib --test memory
         stage lab/build.sh
     fi
-    stage cargo build "${whole[@]}" --all-targets
+    # Not --all-targets, which builds tests of libraries that have none.
+    stage cargo test "${whole[@]}" --no-run
 }
 
 lab() {
@@ -135,7 +136,7 @@ run() {
             stage cargo fmt --manifest-path component/Cargo.toml --all --check
             ;;
         clippy)
-            stage cargo clippy "${whole[@]}" --all-targets -- -D warnings
+            stage cargo clippy "${whole[@]}" --lib --bins --tests --examples -- -D warnings
             if [[ $tier == all ]]; then
                 # Without C, as the first command of README.md builds it.
                 stage cargo clippy --locked --profile ci -p lemons-cli -- -D warnings
