@@ -26,14 +26,28 @@ fn outermost(plan: &Plan) -> Vec<Ring> {
     (0..all.len()).filter(|k| !is_held(*k)).map(|k| all[k].clone()).collect()
 }
 
-/// Returns the part of an area \[m\] that lies within a ring, and its largest piece without holes.
-fn within(corners: &[Vec2], room: &Ring) -> Option<(f64, Vec<Vec2>)> {
-    let own = Ring::through(corners.to_vec()).filter(|own| own.is_simple() && own.area() > 0.0)?;
-    let inside = intersection(&[contour(&own)], &[contour(room)], Fill::EvenOdd);
-    let share = area(&inside) / own.area();
-    let pieces = inside.iter().filter_map(|polygon| ring(polygon.first()?));
-    let largest = pieces.max_by(|a, b| a.area().total_cmp(&b.area()))?;
-    Some((share, largest.corners().to_vec()))
+/// What of an area lies in a room.
+struct Part {
+    /// Of the area.
+    share: f64,
+    pieces: usize,
+    /// \[m\] The largest piece, without holes.
+    largest: Vec<Vec2>,
+}
+
+impl Part {
+    fn of(corners: &[Vec2], room: &Ring) -> Option<Part> {
+        let own = Ring::through(corners.to_vec()).filter(|own| own.is_simple() && own.area() > 0.0)?;
+        let inside = intersection(&[contour(&own)], &[contour(room)], Fill::EvenOdd);
+        let least = ROUNDING * own.area();
+        let pieces: Vec<Ring> = inside.iter().filter_map(|polygon| ring(polygon.first()?)).collect();
+        let largest = pieces.iter().max_by(|a, b| a.area().total_cmp(&b.area()))?;
+        Some(Part {
+            share: area(&inside) / own.area(),
+            pieces: pieces.iter().filter(|piece| piece.area() > least).count(),
+            largest: largest.corners().to_vec(),
+        })
+    }
 }
 
 /// Returns what of a distribution lies in the room that holds most of it: as it is, if all does; `None` if nothing does.
@@ -43,9 +57,9 @@ pub fn inside(plan: &Plan, corners: &[Vec2]) -> Option<Vec<Vec2>> {
     if rooms.is_empty() {
         return Some(corners.to_vec());
     }
-    let parts = rooms.iter().filter_map(|room| within(corners, room));
-    let (share, left) = parts.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share > ROUNDING)?;
-    Some(if share > 1.0 - ROUNDING { corners.to_vec() } else { left })
+    let parts = rooms.iter().filter_map(|room| Part::of(corners, room));
+    let most = parts.max_by(|a, b| a.share.total_cmp(&b.share)).filter(|part| part.share > ROUNDING)?;
+    Some(if most.share > 1.0 - ROUNDING { corners.to_vec() } else { most.largest })
 }
 
 /// Says which places lie outside all closed walls, and which areas do not touch the largest one.
@@ -60,8 +74,9 @@ pub fn doubts(plan: &Plan) -> Vec<String> {
         format!("{what} {name:?} at ({x:.2}, {y:.2}) m")
     };
     for place in &plan.distributions {
-        let parts = rooms.iter().filter_map(|room| within(&place.corners, room));
-        let share: f64 = parts.map(|(share, _)| share).sum();
+        let parts: Vec<Part> = rooms.iter().filter_map(|room| Part::of(&place.corners, room)).collect();
+        let share: f64 = parts.iter().map(|part| part.share).sum();
+        let pieces: usize = parts.iter().map(|part| part.pieces).sum();
         let said = named("distribution", place);
         if share <= ROUNDING {
             doubts.push(format!("{said} lies outside the walls: nobody can be placed there"));
@@ -69,6 +84,11 @@ pub fn doubts(plan: &Plan) -> Vec<String> {
             let outside = 100.0 * (1.0 - share);
             doubts.push(format!(
                 "{outside:.0} % of {said} lie outside the walls: people are placed inside only"
+            ));
+        }
+        if pieces > 1 {
+            doubts.push(format!(
+                "{said} lies in {pieces} places that walls keep apart: people are placed in one of them only"
             ));
         }
     }
@@ -143,6 +163,18 @@ mod tests {
         );
         let apart = plan(&[room, ("walkablearea-1", [20.0, 0.0, 25.0, 5.0])]);
         assert!(doubts(&apart)[0].starts_with("the area of 25.00 m² from (20.00, 0.00) to (25.00, 5.00) m"));
+        let both = plan(&[
+            room,
+            ("walkablearea-1", [20.0, 0.0, 25.0, 5.0]),
+            ("distributions-1", [4.0, 1.0, 21.0, 2.0]),
+        ]);
+        assert_eq!(inside(&both, &both.distributions[0].corners).unwrap().len(), 4);
+        let said = doubts(&both);
+        // 4 m of 17 m in the one, 1 m in the other.
+        assert!(
+            said[0].starts_with("71 % of distribution") && said[1].contains("lies in 2 places"),
+            "{said:?}"
+        );
         // All is well; an obstacle is no area apart.
         let well =
             plan(&[room, ("obstacles-0", [2.0, 2.0, 3.0, 3.0]), ("distributions-1", [0.0, 0.0, 8.0, 6.0])]);

@@ -1,12 +1,14 @@
 //! Models of walking that are used where they are known to fail.
 
 use super::{NOTE, WARNING};
-use lemons_core::plane::{InPlane, Vec2, segments_cross, vec2};
+use lemons_core::plane::{InPlane, Ring, Vec2, segments_cross, vec2};
+use lemons_core::trial::Geometry;
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
 use lemons_decision::rule::UNLIMITED;
 use lemons_decision::target::{Target, Ways};
 use lemons_decision::walking_model::WalkingModel;
+use lemons_people::closed_walls;
 
 /// \[m\] People whose ways are further apart than this do not meet.
 const BESIDE: f64 = 1.0;
@@ -93,6 +95,29 @@ pub fn exits_at_walls(plan: &Plan) -> Vec<String> {
         })
     };
     exits.filter_map(doubt).collect()
+}
+
+/// Doubts way-points that closed walls keep people from.
+pub fn waypoints_behind_walls(plan: &Plan, geometry: &Geometry) -> Option<String> {
+    let walls = closed_walls(geometry);
+    let behind = |agent: &Planned| {
+        let at = vec2(agent.pose.x, agent.pose.y);
+        let is_between = |wall: &Ring, to: Vec2, radius: f64| {
+            wall.contains(at) != wall.contains(to) && wall.nearest(to).distance > radius
+        };
+        let ways = agent.walker.waypoints.iter().map(|next| (vec2(next.x, next.y), next.radius));
+        ways.into_iter().find(|(to, radius)| walls.iter().any(|wall| is_between(wall, *to, *radius)))
+    };
+    let all = || plan.agents.iter().filter_map(|agent| Some((&agent.id, behind(agent)?.0)));
+    let (first, at) = all().next()?;
+    let others = match all().count() - 1 {
+        0 => String::new(),
+        others => format!(", as ways of {others} more do"),
+    };
+    Some(format!(
+        "the way of agent {first:?} leads to ({:.2}, {:.2}) m, behind a closed wall{others}: nobody gets there",
+        at.x, at.y
+    ))
 }
 
 /// The first way of somebody.

@@ -4,11 +4,12 @@ use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Result, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
 use std::thread::{Builder, sleep};
 use std::time::Duration;
 
-/// Connections at a time. The oldest makes room for a new one.
+/// Connections at a time. The oldest makes room for a new one: of those that have asked nothing, if there are any.
 const MOST_CONNECTIONS: usize = 64;
 /// \[byte\] Of a request; what follows its head is not read.
 const LARGEST_HEAD: usize = 16_384;
@@ -35,8 +36,14 @@ pub struct Answer {
     pub content: Cow<'static, [u8]>,
 }
 
+struct Connection {
+    stream: TcpStream,
+    /// Whether it gets an answer by now.
+    has_asked: AtomicBool,
+}
+
 /// Answers each connection once, as long as it `goes_on`. No connection waits for another one. Where no more files can be
-/// open, or no thread can be had, the oldest connection ends, and the next one waits.
+/// open, or no thread can be had, the oldest connection ends, one without a request first, and the next one waits.
 ///
 /// # Errors
 /// The listener cannot be used.
@@ -48,16 +55,19 @@ pub fn serve(
     listener.set_nonblocking(true)?;
     let answer = &answer;
     // The newest connections. Their threads alone keep them open: an answered one takes no descriptor.
-    let mut newest: VecDeque<Weak<TcpStream>> = VecDeque::new();
-    let close = |connection: Weak<TcpStream>| connection.upgrade().map(|it| it.shutdown(Shutdown::Both));
+    let mut newest: VecDeque<Weak<Connection>> = VecDeque::new();
+    let close = |connection: Weak<Connection>| connection.upgrade().map(|it| it.stream.shutdown(Shutdown::Both));
+    let is_idle = |connection: &Weak<Connection>| {
+        connection.upgrade().is_some_and(|it| !it.has_asked.load(Ordering::Relaxed))
+    };
     std::thread::scope(|scope| {
         while goes_on() {
             newest.retain(|connection| connection.strong_count() > 0);
             let begun = listener.accept().and_then(|(stream, _)| {
-                let stream = Arc::new(stream);
-                let connection = Arc::downgrade(&stream);
-                Builder::new().spawn_scoped(scope, move || serve_one(&stream, answer))?;
-                Ok(connection)
+                let connection = Arc::new(Connection { stream, has_asked: AtomicBool::new(false) });
+                let kept = Arc::downgrade(&connection);
+                Builder::new().spawn_scoped(scope, move || serve_one(&connection, answer))?;
+                Ok(kept)
             });
             let is_full = match begun {
                 Ok(connection) => {
@@ -70,7 +80,8 @@ pub fn serve(
                 }
             };
             if is_full {
-                newest.pop_front().map(close);
+                let first = newest.iter().position(is_idle).unwrap_or(0);
+                newest.remove(first).map(close);
             }
         }
         newest.into_iter().for_each(|connection| drop(close(connection)));
@@ -79,7 +90,8 @@ pub fn serve(
 }
 
 /// Reads a request, and sends the answer.
-fn serve_one(mut stream: &TcpStream, answer: &impl Fn(&Request) -> Answer) -> Result<()> {
+fn serve_one(connection: &Connection, answer: &impl Fn(&Request) -> Answer) -> Result<()> {
+    let mut stream = &connection.stream;
     stream.set_nonblocking(false)?;
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
@@ -96,6 +108,7 @@ fn serve_one(mut stream: &TcpStream, answer: &impl Fn(&Request) -> Answer) -> Re
             return stream.shutdown(Shutdown::Both);
         }
     };
+    connection.has_asked.store(true, Ordering::Relaxed);
     let text = String::from_utf8_lossy(&request[..end]);
     let request = request_of(&text);
     let Answer { status, head, content } = answer(&request);
@@ -122,7 +135,6 @@ fn request_of(head: &str) -> Request<'_> {
 mod tests {
     use super::*;
     use std::net::Ipv4Addr;
-    use std::sync::atomic::{AtomicBool, Ordering};
 
     /// \[byte\] More than a connection takes that nobody reads from.
     const LARGE: usize = 64_000_000;
@@ -151,6 +163,10 @@ mod tests {
         std::thread::scope(|scope| {
             let server = scope.spawn(|| serve(&listener, || !over.load(Ordering::Relaxed), echo));
             let connect = || TcpStream::connect(address).unwrap();
+            // Who gets an answer is not closed for those who ask nothing.
+            let mut taking = connect();
+            taking.write_all(b"GET /large HTTP/1.1\r\n\r\n").unwrap();
+            taking.read_exact(&mut [0; 1]).unwrap();
             let idle: Vec<TcpStream> = (0..3 * MOST_CONNECTIONS).map(|_| connect()).collect();
             let answer = told(&mut connect(), "GET /a?b HTTP/1.1\r\nhOsT:  me \r\nHost: other\r\n\r\n");
             let (head, content) = answer.split_once("\r\n\r\n").unwrap();
@@ -175,6 +191,9 @@ mod tests {
             let mut large = Vec::new();
             slow.read_to_end(&mut large).unwrap();
             assert!(large.len() > LARGE && large.ends_with(b"xxx"), "{}", large.len());
+            let mut rest = Vec::new();
+            taking.read_to_end(&mut rest).unwrap();
+            assert!(rest.len() > LARGE, "{}", rest.len());
             // The oldest of those who asked nothing have been closed.
             let mut oldest = &idle[0];
             assert_eq!(oldest.read(&mut [0; 1]).unwrap(), 0);
