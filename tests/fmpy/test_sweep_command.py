@@ -46,8 +46,8 @@ def test_both_give_one_table(lemons, here, tmp_path, choice, drive):
     drive = tmp_path / drive if drive else drive
     grid = {"contact.human_naked.human_naked.KineticFriction": [0.0, 0.4], "agent[*].Mass": [60.0, 90.0]}
     there = sweep(fmu, grid, drive, measure, until=0.7, client=here, out=tmp_path / "there.csv", progress=False)
-    here = pd.read_csv(tmp_path / "push.csv", comment="#", float_precision="round_trip")
+    own = pd.read_csv(tmp_path / "push.csv", comment="#", float_precision="round_trip")
     numbers = [name for name in there if name not in ("status", "error")]
-    pd.testing.assert_frame_equal(here[numbers], there[numbers], check_exact=True)
-    assert list(here) == list(there) and set(here["status"]) == {"ok"}
-    assert (here["peak"].max() > 100.0) == (drive is not False)
+    pd.testing.assert_frame_equal(own[numbers], there[numbers], check_exact=True)
+    assert list(own) == list(there) and set(own["status"]) == {"ok"}
+    assert (own["peak"].max() > 100.0) == (drive is not False)
