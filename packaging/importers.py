@@ -180,8 +180,11 @@ def run(program: Program, command: list[str], fmu: Path, wanted: list[float] | N
                 telling = [line for line in lines if re.search("error|fail|fatal|panic", line, re.IGNORECASE)] or lines[-3:]
                 counted = f", {errors} errors" if errors else ""
                 return False, f"exit status {done.returncode}{counted}: " + " / ".join(telling[:5])
-        if wanted and "{table}" in program.calls[-1]:
-            return compared(table, wanted)
+        if "{table}" in program.calls[-1]:
+            if not table.is_file():
+                return False, "it wrote no table"
+            if wanted:
+                return compared(table, wanted)
     return True, "ok"
 
 

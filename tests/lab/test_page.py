@@ -51,7 +51,7 @@ def test_a_reload_and_a_link_bring_all_back_and_undo_takes_it_away(page: Page, b
     make(page, 25, 350, 300)
     page.reload()
     expect(page.get_by_text("25 people placed in")).to_be_visible()
-    assert page.get_by_role("spinbutton", name="People").input_value() == "25"
+    expect(page.get_by_role("spinbutton", name="People")).to_have_value("25")
     other = browser.new_context().new_page()
     other.goto(link(url, plan(page)))
     expect(other.get_by_text("25 people placed in")).to_be_visible()
@@ -74,9 +74,9 @@ def test_a_reload_and_a_link_bring_all_back_and_undo_takes_it_away(page: Page, b
     field = page.get_by_role("spinbutton", name="People")
     fill(page, "People", 30)
     page.get_by_role("button", name="Undo").click()
-    assert field.input_value() == "25"
+    expect(field).to_have_value("25")
     page.get_by_role("button", name="Redo").click()
-    assert field.input_value() == "30"
+    expect(field).to_have_value("30")
 
 
 def test_a_crowd_that_does_not_fit_is_refused_and_a_placing_is_stopped(page: Page) -> None:

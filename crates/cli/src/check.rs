@@ -63,9 +63,8 @@ fn report(given: &TrialInput) -> (Vec<String>, Option<String>) {
     if let Ok(Some(plan)) = &plan {
         lines.extend(doubts_of_plan(plan, &trial).iter().map(|doubt| found(WARNING, &plan_file, doubt)));
         lines.extend(walking::flat_push(plan).map(|text| found(NOTE, &plan_file, &format!("push: {text}"))));
-        let at_walls = walking::exits_at_walls(plan);
-        let behind = walking::waypoints_behind_walls(plan, &trial.geometry);
-        lines.extend(at_walls.iter().chain(&behind).map(|doubt| found(WARNING, &plan_file, doubt)));
+        let out_of_reach = walking::out_of_reach(plan, &trial.geometry);
+        lines.extend(out_of_reach.iter().map(|doubt| found(WARNING, &plan_file, doubt)));
         lines.extend(walking::doubts(plan).iter().map(|(kind, doubt)| found(kind, &plan_file, doubt)));
     }
     let Parameters { time_step, time_step_mechanical, .. } = trial.parameters;

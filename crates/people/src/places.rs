@@ -2,69 +2,106 @@
 
 use crate::drawing::{Place, Plan};
 use crate::{closed_walls, is_closed};
-use lemons_core::plane::overlay::{Contour, Fill, contour, intersection, ring};
+use lemons_core::plane::overlay::{self, Contour, Fill, contour, intersection, ring};
 use lemons_core::plane::{Ring, Vec2};
 
+/// A closed wall that holds more of a region is taken as the room.
+const MOSTLY: f64 = 0.5;
 /// A smaller part of an area is outside by rounding.
 const ROUNDING: f64 = 1e-6;
 /// More areas than this are only counted.
 const MOST: usize = 5;
 
-fn area(polygons: &[Vec<Contour>]) -> f64 {
-    polygons.iter().flatten().filter_map(ring).map(|ring| ring.signed_area()).sum::<f64>().abs()
+/// Closed walls.
+struct Ground {
+    /// Those around ground.
+    rooms: Vec<Ring>,
+    /// Those within them that are obstacles: none where the drawing does not say what a wall within another one is.
+    obstacles: Vec<Ring>,
 }
 
-/// Returns the closed walls that no other one holds.
-fn outermost(plan: &Plan) -> Vec<Ring> {
-    let all = closed_walls(&plan.geometry(""));
-    let is_held = |k: usize| {
-        let corner = all[k].corners()[0];
-        let holds =
-            |(j, other): (usize, &Ring)| j != k && other.area() > all[k].area() && other.contains(corner);
-        all.iter().enumerate().any(holds)
-    };
-    (0..all.len()).filter(|k| !is_held(*k)).map(|k| all[k].clone()).collect()
+impl Ground {
+    fn of(plan: &Plan) -> Ground {
+        let all = closed_walls(&plan.geometry(""));
+        let depth = |k: usize| {
+            let corner = all[k].corners()[0];
+            let holds = |(j, other): &(usize, &Ring)| {
+                *j != k && other.area() > all[k].area() && other.contains(corner)
+            };
+            all.iter().enumerate().filter(holds).count()
+        };
+        let mut ground = Ground { rooms: Vec::new(), obstacles: Vec::new() };
+        for (k, ring) in all.iter().enumerate() {
+            match depth(k) {
+                0 => ground.rooms.push(ring.clone()),
+                // Ground within an obstacle, and so on.
+                depth if plan.has_areas && depth % 2 == 0 => ground.rooms.push(ring.clone()),
+                _ if plan.has_areas => ground.obstacles.push(ring.clone()),
+                _ => {}
+            }
+        }
+        ground
+    }
+
+    fn rings(&self) -> impl Iterator<Item = &Ring> {
+        self.rooms.iter().chain(&self.obstacles)
+    }
+
+    fn holds(&self, p: Vec2) -> bool {
+        self.rings().filter(|ring| ring.contains(p)).count() % 2 == 1
+    }
+
+    /// What is not ground, in words.
+    fn outside(&self) -> &'static str {
+        if self.obstacles.is_empty() { "outside the walls" } else { "outside the walls or in obstacles" }
+    }
 }
 
-/// What of an area lies in a room.
+/// What of an area is ground.
 struct Part {
     /// Of the area.
     share: f64,
     pieces: usize,
-    /// \[m\] The largest piece, without holes.
-    largest: Vec<Vec2>,
+    /// \[m\] The largest piece without holes; none if holes are most of it.
+    largest: Option<Vec<Vec2>>,
 }
 
 impl Part {
-    fn of(corners: &[Vec2], room: &Ring) -> Option<Part> {
+    /// `None` if the sides of the area cross.
+    fn of<'a>(corners: &[Vec2], rings: impl Iterator<Item = &'a Ring>) -> Option<Part> {
         let own = Ring::through(corners.to_vec()).filter(|own| own.is_simple() && own.area() > 0.0)?;
-        let inside = intersection(&[contour(&own)], &[contour(room)], Fill::EvenOdd);
+        let rings: Vec<Contour> = rings.map(contour).collect();
+        let inside = intersection(&[contour(&own)], &rings, Fill::EvenOdd);
         let least = ROUNDING * own.area();
-        let pieces: Vec<Ring> = inside.iter().filter_map(|polygon| ring(polygon.first()?)).collect();
-        let largest = pieces.iter().max_by(|a, b| a.area().total_cmp(&b.area()))?;
-        Some(Part {
-            share: area(&inside) / own.area(),
-            pieces: pieces.iter().filter(|piece| piece.area() > least).count(),
-            largest: largest.corners().to_vec(),
-        })
+        let areas = inside.iter().map(|piece| overlay::area(piece));
+        let largest = inside.iter().max_by(|a, b| overlay::area(a).total_cmp(&overlay::area(b)));
+        let largest = largest.and_then(|piece| {
+            let outer = ring(piece.first()?)?;
+            (2.0 * overlay::area(piece) > outer.area()).then(|| outer.corners().to_vec())
+        });
+        let pieces = areas.clone().filter(|area| *area > least).count();
+        Some(Part { share: areas.sum::<f64>() / own.area(), pieces, largest })
     }
 }
 
-/// Returns what of a distribution lies in the room that holds most of it: as it is, if all does; `None` if nothing does.
-/// Without closed walls everything is inside.
+/// Returns the largest piece of a distribution that is ground: as it is, if all of it is; `None` if nothing is, or if
+/// obstacles are most of what it is around. Without closed walls everything is ground.
 pub fn inside(plan: &Plan, corners: &[Vec2]) -> Option<Vec<Vec2>> {
-    let rooms = outermost(plan);
-    if rooms.is_empty() {
+    let ground = Ground::of(plan);
+    if ground.rooms.is_empty() {
         return Some(corners.to_vec());
     }
-    let parts = rooms.iter().filter_map(|room| Part::of(corners, room));
-    let most = parts.max_by(|a, b| a.share.total_cmp(&b.share)).filter(|part| part.share > ROUNDING)?;
-    Some(if most.share > 1.0 - ROUNDING { corners.to_vec() } else { most.largest })
+    let part = Part::of(corners, ground.rings()).filter(|part| part.share > ROUNDING)?;
+    let within = Part::of(corners, ground.rooms.iter())?;
+    // Obstacles that are the lesser part are subtracted where people are placed.
+    let is_whole = within.share > 1.0 - ROUNDING && part.share > MOSTLY && part.pieces == 1;
+    if is_whole { Some(corners.to_vec()) } else { part.largest }
 }
 
-/// Says which places lie outside all closed walls, and which areas do not touch the largest one.
+/// Says which places lie outside all closed walls or in obstacles, and which areas do not touch the largest one.
 pub fn doubts(plan: &Plan) -> Vec<String> {
-    let rooms = outermost(plan);
+    let ground = Ground::of(plan);
+    let (rooms, outside) = (&ground.rooms, ground.outside());
     let mut doubts = Vec::new();
     if rooms.is_empty() {
         return doubts;
@@ -74,36 +111,45 @@ pub fn doubts(plan: &Plan) -> Vec<String> {
         format!("{what} {name:?} at ({x:.2}, {y:.2}) m")
     };
     for place in &plan.distributions {
-        let parts: Vec<Part> = rooms.iter().filter_map(|room| Part::of(&place.corners, room)).collect();
-        let share: f64 = parts.iter().map(|part| part.share).sum();
-        let pieces: usize = parts.iter().map(|part| part.pieces).sum();
         let said = named("distribution", place);
+        let parts = (Part::of(&place.corners, ground.rooms.iter()), Part::of(&place.corners, ground.rings()));
+        let (Some(within), Some(Part { share, pieces, largest })) = parts else {
+            doubts.push(format!("the sides of {said} cross: nobody can be placed there"));
+            continue;
+        };
         if share <= ROUNDING {
-            doubts.push(format!("{said} lies outside the walls: nobody can be placed there"));
-        } else if share < 1.0 - ROUNDING {
-            let outside = 100.0 * (1.0 - share);
-            doubts.push(format!(
-                "{outside:.0} % of {said} lie outside the walls: people are placed inside only"
-            ));
+            doubts.push(format!("{said} lies {outside}: nobody can be placed there"));
+            continue;
+        }
+        for (part, of_whole, place) in [
+            (within.share, 1.0 - ROUNDING, "outside the walls"),
+            (share / within.share, MOSTLY, "in obstacles"),
+        ] {
+            if part < of_whole {
+                let part = 100.0 * (1.0 - part);
+                doubts.push(format!("{part:.0} % of {said} lie {place}: people are placed elsewhere in it"));
+            }
         }
         if pieces > 1 {
             doubts.push(format!(
                 "{said} lies in {pieces} places that walls keep apart: people are placed in one of them only"
             ));
         }
+        if largest.is_none() {
+            doubts.push(format!("obstacles are most of {said}: nobody can be placed there"));
+        }
     }
     for place in &plan.waypoints {
-        let middle = place.middle().0;
-        if !rooms.iter().any(|room| room.contains(middle)) {
+        if !ground.holds(place.middle().0) {
             doubts.push(format!(
-                "{} lies outside the walls: nobody gets there through them",
+                "{} lies {outside}: nobody gets there through them",
                 named("way-point", place)
             ));
         }
     }
     let opens = !plan.doors().is_empty() || plan.walls.iter().any(|wall| !is_closed(wall));
     for place in plan.exits.iter().filter(|_| !opens) {
-        if !place.corners.iter().any(|corner| rooms.iter().any(|room| room.contains(*corner))) {
+        if !place.corners.iter().any(|corner| ground.holds(*corner)) {
             doubts.push(format!("{} lies outside the walls, which have no opening", named("exit", place)));
         }
     }
@@ -175,6 +221,27 @@ mod tests {
             said[0].starts_with("71 % of distribution") && said[1].contains("lies in 2 places"),
             "{said:?}"
         );
+        // Of 8 m by 6.5 m, 8 m by 2.5 m are beside the bar.
+        let hall = ("walkablearea-0", [0.0, 0.0, 30.0, 20.0]);
+        let bar = ("obstacles-bar", [10.0, 6.0, 18.0, 10.0]);
+        let queue = plan(&[hall, bar, ("distributions-1", [10.0, 6.0, 18.0, 12.5])]);
+        let beside = Ring::through(inside(&queue, &queue.distributions[0].corners).unwrap()).unwrap();
+        assert!((beside.area() - 20.0).abs() < 1e-6 && beside.bounds().low.y >= 10.0 - 1e-9);
+        assert!(doubts(&queue)[0].contains("62 % of") && doubts(&queue)[0].contains("in obstacles"));
+        let around = plan(&[
+            hall,
+            bar,
+            ("distributions-1", [9.9, 5.9, 18.1, 10.1]),
+            ("waypoints-1", [13.0, 7.0, 14.0, 8.0]),
+        ]);
+        assert_eq!(inside(&around, &around.distributions[0].corners), None);
+        let said = doubts(&around);
+        assert!(said[1].contains("obstacles are most of") && said[2].contains("way-point \"1\""), "{said:?}");
+        // Ground that an obstacle encloses.
+        let ring = [[1.0, 1.0, 9.0, 2.0], [1.0, 8.0, 9.0, 9.0], [1.0, 1.0, 2.0, 9.0], [8.0, 1.0, 9.0, 9.0]];
+        let mut hall = vec![hall];
+        hall.extend(ring.map(|at| ("obstacles-ring", at)));
+        assert!(doubts(&plan(&hall))[0].starts_with("the area of 36.00 m² from (2.00, 2.00)"));
         // All is well; an obstacle is no area apart.
         let well =
             plan(&[room, ("obstacles-0", [2.0, 2.0, 3.0, 3.0]), ("distributions-1", [0.0, 0.0, 8.0, 6.0])]);

@@ -1,14 +1,14 @@
 //! Models of walking that are used where they are known to fail.
 
 use super::{NOTE, WARNING};
-use lemons_core::plane::{InPlane, Ring, Vec2, segments_cross, vec2};
+use lemons_core::plane::{Bounds, InPlane, Ring, Vec2, nearest_on_line, segments_cross, vec2};
 use lemons_core::trial::Geometry;
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
 use lemons_decision::rule::UNLIMITED;
 use lemons_decision::target::{Target, Ways};
 use lemons_decision::walking_model::WalkingModel;
-use lemons_people::closed_walls;
+use lemons_people::is_closed;
 
 /// \[m\] People whose ways are further apart than this do not meet.
 const BESIDE: f64 = 1.0;
@@ -70,54 +70,124 @@ pub fn flat_push(plan: &Plan) -> Option<&'static str> {
 
 /// \[m\] Walls keep the centre of everybody who walks so far away.
 const AT_A_WALL: f64 = 0.2;
+/// Points across an area that is an exit.
+const ACROSS: usize = 24;
 
-/// Doubts exits whose line lies so near before a wall, all along, that bodies do not reach it.
-pub fn exits_at_walls(plan: &Plan) -> Vec<String> {
+/// Doubts exits and ways that bodies do not reach, because of walls that never open.
+pub fn out_of_reach(plan: &Plan, geometry: &Geometry) -> Vec<String> {
+    let walls: Vec<Vec<Vec2>> = geometry.fixed_walls().map(|wall| wall.corners.clone()).collect();
+    let doubts = exits_at_walls(plan, &walls).into_iter();
+    doubts.chain(ways_through_walls(plan, &walls)).chain(waypoints_at_walls(plan, &walls)).collect()
+}
+
+fn crosses(walls: &[Vec<Vec2>], from: Vec2, to: Vec2) -> bool {
+    walls.iter().flat_map(|wall| wall.windows(2)).any(|ends| segments_cross(from, to, ends[0], ends[1]))
+}
+
+/// \[m\]
+fn far(walls: &[Vec<Vec2>], p: Vec2) -> f64 {
+    walls.iter().map(|wall| nearest_on_line(wall, p).distance).fold(f64::INFINITY, f64::min)
+}
+
+/// Doubts exits that lie so near to a wall, all along, that bodies do not reach them.
+fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
     let deep = plan.agents.iter().map(|agent| 0.5 * agent.depth()).fold(AT_A_WALL, f64::max);
-    let walls = plan.polylines();
-    let hidden = |from: Vec2, way: Vec2| {
-        walls
-            .iter()
-            .flat_map(|wall| wall.windows(2))
-            .any(|ends| segments_cross(from, from + way, ends[0], ends[1]))
+    let is_line_hidden = |a: Vec2, b: Vec2| {
+        let across = (b - a).left().unit(0.0).unwrap_or_default() * deep;
+        let at = |share: f64| a + (b - a) * share;
+        let behind = |way: Vec2| [0.25, 0.5, 0.75].iter().all(|s| crosses(walls, at(*s), at(*s) + way));
+        behind(across) || behind(-across)
     };
-    let exits = plan.targets.iter().filter(|target| !target.stay && target.corners.len() == 2);
+    let closed: Vec<Ring> =
+        walls.iter().filter(|wall| is_closed(wall)).filter_map(|wall| Ring::through(wall.clone())).collect();
+    let first = plan.agents.first().map(|agent| vec2(agent.pose.x, agent.pose.y));
+    // Within the same closed walls as people.
+    let is_with = |p: Vec2| {
+        first.is_none_or(|first| closed.iter().all(|wall| wall.contains(first) == wall.contains(p)))
+    };
+    let is_area_hidden = |corners: &[Vec2]| {
+        let Some(area) = Ring::through(corners.to_vec()) else { return false };
+        let Bounds { low, high } = area.bounds();
+        let share = |k: usize| (k as f64 + 0.5) / ACROSS as f64;
+        let mut points = (0..ACROSS * ACROSS).map(|k| {
+            let [x, y] = [share(k % ACROSS), share(k / ACROSS)];
+            low + vec2((high - low).x * x, (high - low).y * y)
+        });
+        !points.any(|p| area.contains(p) && is_with(p) && far(walls, p) >= deep)
+    };
+    let exits = plan.targets.iter().filter(|target| !target.stay);
     let doubt = |exit: &Target| {
-        let [a, b] = [0, 1].map(|k| Vec2::from(exit.corners[k]));
-        let across = (b - a).left().unit(0.0)? * deep;
-        let behind = |way: Vec2| [0.25, 0.5, 0.75].iter().all(|share| hidden(a + (b - a) * *share, way));
-        (behind(across) || behind(-across)).then(|| {
+        let corners: Vec<Vec2> = exit.corners.iter().copied().map(Vec2::from).collect();
+        let (is_hidden, what) = match corners[..] {
+            [a, b] => (
+                is_line_hidden(a, b),
+                format!(
+                    "from ({:.2}, {:.2}) to ({:.2}, {:.2}) m lies less than {deep:.2} m before a wall",
+                    a.x, a.y, b.x, b.y
+                ),
+            ),
+            [a, ..] => (
+                is_area_hidden(&corners),
+                format!("at ({:.2}, {:.2}) m has no place that is {deep:.2} m away from all walls", a.x, a.y),
+            ),
+            [] => return None,
+        };
+        is_hidden.then(|| {
             format!(
-                "exit {:?} from ({:.2}, {:.2}) to ({:.2}, {:.2}) m lies less than {deep:.2} m before a wall: not everybody gets so \
-                 near, and who does not reach the line does not leave",
-                exit.name, a.x, a.y, b.x, b.y
+                "exit {:?} {what}: not everybody gets so near, and who does not reach it does not leave",
+                exit.name
             )
         })
     };
     exits.filter_map(doubt).collect()
 }
 
-/// Doubts way-points that closed walls keep people from.
-pub fn waypoints_behind_walls(plan: &Plan, geometry: &Geometry) -> Option<String> {
-    let walls = closed_walls(geometry);
-    let behind = |agent: &Planned| {
-        let at = vec2(agent.pose.x, agent.pose.y);
-        let is_between = |wall: &Ring, to: Vec2, radius: f64| {
-            wall.contains(at) != wall.contains(to) && wall.nearest(to).distance > radius
-        };
-        let ways = agent.walker.waypoints.iter().map(|next| (vec2(next.x, next.y), next.radius));
-        ways.into_iter().find(|(to, radius)| walls.iter().any(|wall| is_between(wall, *to, *radius)))
+/// Doubts ways to way-points that cross walls: they are straight.
+fn ways_through_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Option<String> {
+    let leg = |agent: &Planned| {
+        let mut from = vec2(agent.pose.x, agent.pose.y);
+        agent.walker.waypoints.iter().find_map(|next| {
+            let to = vec2(next.x, next.y);
+            let leg = [from, to];
+            from = to;
+            // Within its radius it is reached.
+            let way = (to - leg[0]).unit(0.0)?;
+            let end = to - way * next.radius.min((to - leg[0]).norm());
+            crosses(walls, leg[0], end).then_some(leg)
+        })
     };
-    let all = || plan.agents.iter().filter_map(|agent| Some((&agent.id, behind(agent)?.0)));
-    let (first, at) = all().next()?;
-    let others = match all().count() - 1 {
+    let looked_at = plan.agents.iter().step_by(plan.agents.len().div_ceil(MOST).max(1));
+    let found: Vec<(&str, [Vec2; 2])> =
+        looked_at.filter_map(|agent| Some((&agent.id[..], leg(agent)?))).collect();
+    let (first, [from, to]) = found.first()?;
+    let others = match found.len() - 1 {
         0 => String::new(),
-        others => format!(", as ways of {others} more do"),
+        others => format!(" (as ways of {others} more do)"),
     };
     Some(format!(
-        "the way of agent {first:?} leads to ({:.2}, {:.2}) m, behind a closed wall{others}: nobody gets there",
-        at.x, at.y
+        "the way of agent {first:?} from ({:.2}, {:.2}) to ({:.2}, {:.2}) m crosses a wall{others}: ways to way-points are \
+         straight, and go round nothing",
+        from.x, from.y, to.x, to.y
     ))
+}
+
+/// Doubts way-points that are nearer to a wall than anybody gets.
+fn waypoints_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Option<String> {
+    let mut looked_at: Vec<[f64; 3]> = Vec::new();
+    let all = plan.agents.iter().flat_map(|agent| &agent.walker.waypoints);
+    all.map(|next| [next.x, next.y, next.radius]).take(MOST).find_map(|at| {
+        if looked_at.contains(&at) {
+            return None;
+        }
+        looked_at.push(at);
+        let [x, y, radius] = at;
+        let wall = far(walls, vec2(x, y));
+        (wall + radius < AT_A_WALL).then(|| {
+            format!(
+                "the way-point at ({x:.2}, {y:.2}) m with radius = {radius:.3} m is {wall:.2} m before a wall: nobody gets so near"
+            )
+        })
+    })
 }
 
 /// The first way of somebody.

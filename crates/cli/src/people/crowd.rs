@@ -9,6 +9,7 @@ use super::room::marks;
 use super::source::{CUSTOM_HELP, SourceArguments};
 use super::{line, read};
 use crate::binary::CROWD;
+use crate::check::walking::out_of_reach;
 use crate::error::{Misused, and_then};
 use crate::files;
 use crate::interrupt::Interrupt;
@@ -257,7 +258,8 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             if let Some(text) = &wishes {
                 // A run would refuse it.
                 let plan = DecisionConfig::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));
-                plan.context("--leave: people cannot leave")?;
+                let plan = plan.context("--leave: people cannot leave")?;
+                out_of_reach(&plan, &made.geometry).iter().for_each(|doubt| note!("warning: {doubt}"));
             }
             let beside: Vec<(&str, &str)> = wishes.iter().map(|text| (DECISION_FILE, &text[..])).collect();
             done = trial.write(&made, &beside, binaries, &interrupt, &mut out)?;

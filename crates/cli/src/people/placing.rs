@@ -264,7 +264,7 @@ impl PlacingArguments {
         let cut: Vec<_> = cut.flatten().map(RegionArgument::of).collect();
         if let (true, Some(first)) = (cut.is_empty(), drawn.plan.distributions.first()) {
             bail!(
-                "distribution {:?} of the drawing lies outside the walls: nobody can be placed there (--region)",
+                "distribution {:?} of the drawing is not on the ground: nobody can be placed there (--region)",
                 first.name
             );
         }

@@ -39,7 +39,7 @@ fn signalled(at: &Path, signal: &str, options: &str) -> Output {
     let prefix = format!(".lemons-{}-", child.id());
     common::signalled(child, signal, || {
         let mut own = names(at).into_iter().filter(|name| name.starts_with(&prefix));
-        own.any(|name| fs::metadata(at.join(name)).is_ok_and(|file| file.len() > 8_000))
+        own.any(|name| fs::metadata(at.join(name)).is_ok_and(|file| file.len() > 40_000))
     })
 }
 

@@ -203,6 +203,8 @@ pub struct Plan {
     pub ground: Option<f64>,
     /// What is drawn as ground, and lies within other ground.
     pub within: Vec<String>,
+    /// Whether walkable areas or obstacles are drawn: a closed wall within another one is an obstacle then.
+    pub has_areas: bool,
 }
 
 impl Plan {
@@ -295,6 +297,7 @@ impl Plan {
             left_out,
             ground,
             within,
+            has_areas,
         };
         plan.outline = plan.largest();
         if settings.to_origin {
@@ -373,6 +376,7 @@ impl Plan {
             left_out: BTreeMap::new(),
             ground: None,
             within: Vec::new(),
+            has_areas: false,
         };
         plan.outline = plan.largest();
         plan

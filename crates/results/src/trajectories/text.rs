@@ -31,8 +31,13 @@ impl Said {
             let rest = rest.trim_start_matches(|c: char| c == ':' || c == '=' || c.is_whitespace());
             let end =
                 rest.find(|c: char| !matches!(c, '0'..='9' | '.' | 'e' | '-' | '+')).unwrap_or(rest.len());
-            let rate =
-                rest[..end].parse().map_err(|_| format!("framerate: {rest:?} begins with no number"))?;
+            // A decimal comma or a fraction would end it too early.
+            let goes_on = rest[end..]
+                .strip_prefix([',', '/'])
+                .is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+            let number = rest[..end].parse().ok().filter(|_| !goes_on);
+            let rate = number
+                .ok_or_else(|| format!("framerate: {:?} begins with no plain number", rest.trim_end()))?;
             same(&mut self.rate, rate, "frame rates")?;
         }
         let words: Vec<&str> =
