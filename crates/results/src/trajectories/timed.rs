@@ -269,12 +269,14 @@ impl Grid {
         let within =
             |time: f64, rate: f64, rounding: f64| (rounding + ROUNDING + 1e-9 * time).min(0.25 / rate);
         let fits = |rate: f64, rounding: f64| {
+            let (mut early, mut late) = (0.0_f64, 0.0_f64);
             check_rate(rate).is_ok()
                 && later.iter().all(|time| {
                     let frames = ((time - first) * rate).round();
-                    // Both times are rounded.
-                    frames > 0.0
-                        && (time - first - frames / rate).abs() <= within(*time, rate, 2.0 * rounding)
+                    let off = time - first - frames / rate;
+                    (early, late) = (early.min(off), late.max(off));
+                    // The first time is rounded, too.
+                    frames > 0.0 && late - early <= within(*time, rate, 2.0 * rounding)
                 })
         };
         let fitting = |rounding| rates.iter().copied().find(|rate| fits(*rate, rounding));

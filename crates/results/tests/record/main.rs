@@ -4,7 +4,6 @@
 
 mod columns;
 mod programs;
-
 mod round_trip;
 mod table;
 mod trajectories;
