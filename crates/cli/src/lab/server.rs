@@ -56,8 +56,7 @@ pub fn serve(
     let answer = &answer;
     // The newest connections. Their threads alone keep them open: an answered one takes no descriptor.
     let mut newest: VecDeque<Weak<Connection>> = VecDeque::new();
-    let close =
-        |connection: Weak<Connection>| connection.upgrade().map(|it| it.stream.shutdown(Shutdown::Both));
+    let close = |connection: Weak<Connection>| connection.upgrade().map(|it| it.stream.shutdown(Shutdown::Both));
     let is_idle = |connection: &Weak<Connection>| {
         connection.upgrade().is_some_and(|it| !it.has_asked.load(Ordering::Relaxed))
     };

@@ -121,7 +121,7 @@ impl Program {
             let begin = mark.ends_with(['_', ':']);
             heads.iter().any(|head| head == mark || begin && head.starts_with(*mark))
         };
-        self.known_by.iter().all(|mark| known(&mark))
+        self.known_by.iter().all(known)
     }
 }
 
