@@ -2,11 +2,14 @@
 
 import gzip
 import json
+import os
 import re
 import sqlite3
 import subprocess
 import sys
 from contextlib import closing
+from pathlib import Path
+from xml.etree import ElementTree
 
 import limited
 import numpy as np
@@ -355,3 +358,63 @@ def test_a_database_that_is_written_to_is_refused(corridor, tmp_path):
         writer.execute("DELETE FROM trajectory_data WHERE frame > 10")
         with pytest.raises(CommandError, match="a program writes to the database"):
             measure(path)
+
+
+def in_common(pedpy, own, theirs):
+    """Who is where in the frames that both have, and how many these are."""
+    export(own, "own.txt", to="pedpy", force=True, **({"fps": theirs.frame_rate} if own.suffix == ".traj" else {}))
+    ours = pedpy.load_trajectory(trajectory_file=Path("own.txt"))
+    assert ours.frame_rate == theirs.frame_rate
+    both = ours.data.merge(theirs.data, on=["id", "frame"], suffixes=("", "_theirs"))
+    assert np.allclose(both[["x", "y"]], both[["x_theirs", "y_theirs"]], rtol=0.0, atol=1e-12)
+    return len(both), len(ours.data), len(theirs.data)
+
+
+def test_files_of_other_programs_are_those_of_pedpy(pedpy, tmp_path):
+    times, walk = np.arange(8) / 4, np.random.default_rng(5).uniform(-9.0, 9.0, (8, 2))
+    rows = [(t, x, y) for t, (x, y) in zip(times, walk)]
+    viswalk, pathfinder, vadere = tmp_path / "w.pp", tmp_path / "p.csv", tmp_path / "postvis.traj"
+    head = "$VISION\n* File: a\n$PEDESTRIAN:NO;SIMSEC;COORDCENTX;COORDCENTY\n"
+    viswalk.write_text(head + "".join(f"{k};{t:.2f};{x + k:.4f};{y:.4f}\n" for t, x, y in rows for k in (3, 4)))
+    head = '"t","id","name","active","x","y","z","v"\n"s","","","","m","m","m","m/s"\n'
+    pathfinder.write_text(head + "".join(f'{t:f},{k},"0000{k}",1,{x + k:f},{y:f},0.0,1.0\n' for t, x, y in rows for k in (3, 4)))
+    head = "#IDXCOL=2,DATACOL=6,SEP=' '\npedestrianId simTime endTime-PID1 startX-PID1 startY-PID1 endX-PID1 endY-PID1\n"
+    steps = [f"1 {0.4 * a[0]} {0.4 * b[0]} {a[1]} {a[2]} {b[1]} {b[2]}\n" for a, b in zip(rows, rows[1:])]
+    vadere.write_text(head + "".join(steps))
+    load = pedpy.load_trajectory_from_viswalk(trajectory_file=viswalk)
+    assert in_common(pedpy, viswalk, load) == (16, 16, 16)
+    load = pedpy.load_trajectory_from_pathfinder_csv(trajectory_file=pathfinder)
+    assert in_common(pedpy, pathfinder, load) == (16, 16, 16)
+    # PedPy reads the begins of steps only: it does not see the end of the last one, at 0.7 s.
+    load = pedpy.load_trajectory_from_vadere(trajectory_file=vadere, frame_rate=50.0)
+    assert in_common(pedpy, vadere, load) == (31, 36, 31)
+
+
+def test_fcd_that_sumo_writes_is_read(pedpy, tmp_path):
+    pytest.importorskip("libsumo")
+    lane = '<lane id="a_{0}" index="{0}" {1} speed="13" length="100" shape="0,-{2} 100,-{2}"/>'
+    lanes = lane.format(0, 'allow="pedestrian"', 6) + lane.format(1, 'disallow="pedestrian"', 2)
+    ends = ((0, "A", ""), (100, "B", "a_0 a_1"))
+    ends = "".join(f'<junction id="{name}" type="dead_end" x="{x}" y="0" incLanes="{all}" intLanes="" shape="{x},0 {x},-8"/>' for x, name, all in ends)
+    where = '<location netOffset="0,0" convBoundary="0,0,100,0" origBoundary="0,0,100,0" projParameter="!"/>'
+    Path("net.xml").write_text(f'<net version="1.20">{where}<edge id="a" from="A" to="B">{lanes}</edge>{ends}</net>')
+    person = '<person id="ped{0}" depart="{0}"><walk edges="a"/></person>'
+    car = '<vehicle id="car" depart="1"><route edges="a"/></vehicle>'
+    Path("routes.xml").write_text(f"<routes>{person.format(0)}{car}{person.format(3)}</routes>")
+    script = """if True:
+        import sys
+        import libsumo
+        libsumo.start(["sumo", "-n", "net.xml", "-r", "routes.xml", "--step-length", "0.5", "--fcd-output", sys.argv[1]])
+        while libsumo.simulation.getTime() < 20:
+            libsumo.simulationStep()
+        libsumo.close()"""
+    for path in (tmp_path / "fcd.xml", tmp_path / "fcd.csv"):
+        environment = {**os.environ, "SUMO_HOME": str(tmp_path)}
+        subprocess.run([sys.executable, "-c", script, path], check=True, env=environment, stdout=subprocess.DEVNULL)
+        export(path, "own.txt", to="pedpy", force=True)
+        own = pedpy.load_trajectory(trajectory_file=Path("own.txt"))
+        ours = {(f"ped{3 * int(row.id)}", row.frame / 2): (row.x, row.y) for row in own.data.itertuples()}
+        steps = ElementTree.parse(tmp_path / "fcd.xml").getroot()
+        people = [(float(step.get("time")), person) for step in steps for person in step.findall("person")]
+        assert ours == {(p.get("id"), time): (float(p.get("x")), float(p.get("y"))) for time, p in people}
+        assert len(ours) > 60 and own.frame_rate == 2.0

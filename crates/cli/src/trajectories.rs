@@ -12,7 +12,7 @@ use lemons_core::trial::{Agent, AgentDynamics, Geometry, Interactions, Materials
 use lemons_master::TrialInput;
 use lemons_people::PeopleError;
 use lemons_people::drawing::{Drawing, Format, LARGEST_DRAWING, Plan, PlanSettings, Reading};
-use lemons_results::{Record, Told, VELOCITY_OVER, holds_trajectories};
+use lemons_results::{READ, Record, Told, VELOCITY_OVER, holds_trajectories};
 use std::path::{Path, PathBuf};
 
 /// \[m\] Radius of a body that is not known: that of an agent of `JuPedSim`'s models, if nothing else is said there.
@@ -27,7 +27,7 @@ pub struct ReadingArguments {
     /// Unit of a text that does not say it
     #[arg(long, help_heading = HEADING, value_name = "m or cm", value_parser = ["m", "cm"])]
     unit: Option<String>,
-    /// Frames per second of a text that does not say it
+    /// Frames per second of a text that does not say it, or of Vadere's steps (default 25)
     #[arg(long, help_heading = HEADING, value_name = "NUMBER", value_parser = positive)]
     fps: Option<f64>,
     /// Walls: a drawing in metres (.wkt, .geojson, .dxf, .svg), or a Trial or an FMU, of which only the walls
@@ -64,7 +64,11 @@ impl ReadingArguments {
     /// Opens trajectories.
     pub fn open(&self, path: &Path, velocity_over: f64) -> Result<Record> {
         let unit = self.unit.as_deref().map(|unit| if unit == "cm" { 100.0 } else { 1.0 });
-        Ok(Record::of_others(path, &Told { per_metre: unit, rate: self.fps, velocity_over })?)
+        let record = Record::of_others(path, &Told { per_metre: unit, rate: self.fps, velocity_over })?;
+        for line in record.trajectories().iter().flat_map(|trajectories| &trajectories.notes) {
+            note!("{}: {line}", path.display());
+        }
+        Ok(record)
     }
 
     /// Returns a Trial with the walls and, for each person, a body of one disk: nobody knows more.
@@ -135,8 +139,7 @@ fn is_for(path: &Path, given: &[(&str, bool)]) -> Result<bool> {
     let holds = path.is_file() && holds_trajectories(path)?;
     match given.iter().find(|(_, given)| *given && !holds) {
         Some((option, _)) => bail!(Misused(format!(
-            "{option}: {} holds no trajectories of experiments or of other simulators (JuPedSim's database, or a text \
-             with lines \"id frame x y z\")",
+            "{option}: {} holds no trajectories of experiments or of other simulators ({READ})",
             path.display()
         ))),
         None => Ok(holds),

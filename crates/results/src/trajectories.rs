@@ -1,9 +1,12 @@
 //! Trajectories that are not of our runs, of experiments and of other simulators: positions of people at a constant frame
 //! rate, without bodies and forces. People may appear and vanish.
 
+mod columns;
+mod fcd;
 #[cfg(feature = "sqlite")]
 mod sqlite;
 mod text;
+mod timed;
 
 use crate::error::RecordError;
 use crate::record::{Each, Record};
@@ -62,6 +65,8 @@ pub struct Trajectories {
     pub oriented: bool,
     /// Where people can be: well-known text, in m, of each geometry that the file holds.
     pub geometry: Vec<String>,
+    /// What was assumed, and what was left out.
+    pub notes: Vec<String>,
 }
 
 impl Trajectories {
@@ -100,6 +105,9 @@ struct Found {
     frames: Option<Named>,
     oriented: bool,
     geometry: Vec<String>,
+    /// Names of people, whose Ids in rows are places among them; `None`: the Ids are their names.
+    names: Option<Vec<String>>,
+    notes: Vec<String>,
 }
 
 /// Frames that a file names.
@@ -182,35 +190,57 @@ fn rate_of(path: &Path, own: Option<f64>, told: Option<f64>) -> Result<f64, Reco
     rate.map_err(|message| RecordError::wrong(path, message))
 }
 
-/// \[B\] So much of a file says what it is.
-const HEAD: u64 = 4096;
+/// \[B\] So much of a file says what it is: SUMO writes the options of its run first.
+const HEAD: u64 = 65_536;
 
-/// Opens a file, and returns whether it begins as a database; `None` if it holds no trajectories: a table of a run is
-/// neither a database nor does its first line that is no comment begin with a number.
-fn database_or_text(path: &Path) -> Result<(File, Option<bool>), RecordError> {
+/// What can be read.
+pub const READ: &str = "SQLite of JuPedSim, text with lines \"id frame x y z\", FCD of SUMO (XML, CSV), postvis.traj of \
+                        Vadere, .pp of Viswalk, CSV of Pathfinder and of crowd:it";
+
+/// What a file of trajectories is.
+#[derive(Clone, Copy)]
+enum Kind {
+    Database,
+    /// Lines `id frame x y z`.
+    Text,
+    /// A table with a header.
+    Table,
+    Fcd,
+}
+
+/// Opens a file, and returns what it begins as; `None` if it holds no trajectories: a table of a run has the names of its
+/// own columns in the first line that is no comment.
+fn kind_of(path: &Path) -> Result<(File, Option<Kind>), RecordError> {
     let cannot = |error: io::Error| RecordError::Read { path: path.to_owned(), error };
     let mut file = input::open(path).map_err(cannot)?;
     let mut begin = Vec::new();
     let length = file.by_ref().take(HEAD).read_to_end(&mut begin).map_err(cannot)?;
     file.rewind().map_err(cannot)?;
     let begin = begin.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&begin);
-    let mut lines = begin.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii_start);
-    let text = match lines.find(|line| !line.is_empty() && !line.starts_with(b"#")) {
-        Some(line) => matches!(line[0], b'0'..=b'9' | b'-' | b'+' | b'.'),
+    if begin.starts_with(SQLITE) {
+        return Ok((file, Some(Kind::Database)));
+    }
+    if begin.trim_ascii_start().starts_with(b"<") {
+        let fcd = begin.windows(11).any(|bytes| bytes == b"<fcd-export");
+        return Ok((file, fcd.then_some(Kind::Fcd)));
+    }
+    let lines = begin.split(|byte| *byte == b'\n').map(String::from_utf8_lossy);
+    let mut lines = lines.map(|line| line.trim_ascii_start().to_owned()).filter(|line| !line.is_empty());
+    let kind = match lines.find(|line| line.starts_with("$VISION") || !columns::is_comment(line)) {
+        Some(line) if line.starts_with(|c| matches!(c, '0'..='9' | '-' | '+' | '.')) => Some(Kind::Text),
+        Some(line) => columns::is_header(&line).then_some(Kind::Table),
         // Long comments.
-        None => length as u64 == HEAD,
+        None => (length as u64 == HEAD).then_some(Kind::Text),
     };
-    let database = begin.starts_with(SQLITE);
-    Ok((file, (database || text).then_some(database)))
+    Ok((file, kind))
 }
 
-/// Returns whether a file begins as one of trajectories that are not of our runs: `JuPedSim`'s database, or a text with
-/// lines `id frame x y z`.
+/// Returns whether a file begins as one of trajectories that are not of our runs: [`READ`].
 ///
 /// # Errors
 /// The file cannot be read.
 pub fn holds_trajectories(path: &Path) -> Result<bool, RecordError> {
-    Ok(database_or_text(path)?.1.is_some())
+    Ok(kind_of(path)?.1.is_some())
 }
 
 impl Record {
@@ -219,24 +249,24 @@ impl Record {
     /// are orientations that the file does not have. Who is not in a frame is not active in it.
     ///
     /// # Errors
-    /// The file cannot be read, is neither of both, does not say its frame rate or unit, or something in it is wrong; the
+    /// The file cannot be read, is none of [`READ`], does not say its frame rate or unit, or something in it is wrong; the
     /// message names line or row, column and value.
     pub fn of_others(path: &Path, told: &Told) -> Result<Record, RecordError> {
-        let found = match database_or_text(path)? {
-            (file, Some(false)) => text::read(path, file, told)?,
+        let found = match kind_of(path)? {
+            (file, Some(Kind::Text)) => text::read(path, file, told)?,
+            (file, Some(Kind::Table)) => columns::read(path, file, told)?,
+            (file, Some(Kind::Fcd)) => fcd::read(path, file, told)?,
             #[cfg(feature = "sqlite")]
-            (_, Some(true)) => sqlite::read(path, told)?,
+            (_, Some(Kind::Database)) => sqlite::read(path, told)?,
             #[cfg(not(feature = "sqlite"))]
-            (_, Some(true)) => {
+            (_, Some(Kind::Database)) => {
                 return Err(RecordError::wrong(
                     path,
                     "this build has no SQLite: build with --features sqlite",
                 ));
             }
             (_, None) => {
-                let message = "holds no trajectories: it is neither JuPedSim's database nor a text with lines \
-                               \"id frame x y z\"";
-                return Err(RecordError::wrong(path, message));
+                return Err(RecordError::wrong(path, format!("holds no trajectories that are read: {READ}")));
             }
         };
         of_found(path, found, told.velocity_over)
@@ -245,7 +275,7 @@ impl Record {
 
 /// Makes a record of what was found.
 fn of_found(path: &Path, found: Found, velocity_over: f64) -> Result<Record, RecordError> {
-    let Found { what, mut rows, rate, frames, oriented, geometry } = found;
+    let Found { what, mut rows, rate, frames, oriented, geometry, names, notes } = found;
     let wrong = |message: String| RecordError::wrong(path, message);
     rows.sort_unstable_by_key(|row| (row.id, row.frame, row.n));
     if let Some(pair) =
@@ -292,8 +322,11 @@ fn of_found(path: &Path, found: Found, velocity_over: f64) -> Result<Record, Rec
     }
     let appear = rows.len() as u64 != count * ids.len() as u64;
     rows.sort_unstable_by_key(|row| (row.frame, row.person));
-    let (start, ids): (f64, Vec<String>) =
-        (first as f64 / step as f64, ids.iter().map(i64::to_string).collect());
+    let name_of = |id: &i64| match &names {
+        Some(names) => names[*id as usize].clone(),
+        None => id.to_string(),
+    };
+    let (start, ids): (f64, Vec<String>) = (first as f64 / step as f64, ids.iter().map(name_of).collect());
     let pass = move |each: &mut Each<'_>| {
         let (mut agents, mut rows) = (agents.clone(), rows.as_slice());
         let mut active = vec![false; ids.len()];
@@ -319,7 +352,7 @@ fn of_found(path: &Path, found: Found, velocity_over: f64) -> Result<Record, Rec
         }
         Ok(ids.clone())
     };
-    let about = Trajectories { rate, velocity_frames, oriented, geometry };
+    let about = Trajectories { rate, velocity_frames, oriented, geometry, notes };
     Ok(Record::new(path, pass)?.of_trajectories(about))
 }
 

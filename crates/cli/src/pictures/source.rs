@@ -23,7 +23,8 @@ use std::sync::Arc;
 pub struct Source {
     /// A Trial or an FMU, which is simulated first, as by lemons run; or the results of an earlier run:
     /// its table, or an OutputDirectory of XML files; or trajectories of an experiment or of another
-    /// simulator: JuPedSim's SQLite, or text as PedPy reads it
+    /// simulator: JuPedSim's SQLite, text as PedPy reads it, or tables of SUMO, Vadere, Viswalk, Pathfinder
+    /// or crowd:it
     #[arg(value_name = "TRIAL, FILE.fmu, TABLE or SERIES")]
     pub path: PathBuf,
     /// Tables of the runs that went on from there (lemons run --resume), in the order of time

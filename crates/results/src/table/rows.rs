@@ -4,6 +4,7 @@ use crate::columns::{FIRST_TOTAL, Groups, ID, MOTION, Quantity, Row, TIME, TOTAL
 use crate::error::RecordError;
 use crate::record::Each;
 use crate::run::Frame;
+use crate::trajectories::READ;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
@@ -23,7 +24,10 @@ pub(super) fn place<'a>(
     let Some((place, (_, there))) = found.next() else {
         let needed = [TIME, ID].into_iter().chain(MOTION.iter().map(|quantity| quantity.name));
         let needed = needed.collect::<Vec<_>>().join(", ");
-        return Err(format!("there is no column {name:?} (lemons run writes {needed})"));
+        return Err(format!(
+            "there is no column {name:?} (lemons run writes {needed}; of other programs are read: \
+                            {READ})"
+        ));
     };
     if found.next().is_some() {
         return Err(format!("there are two columns {name:?}"));

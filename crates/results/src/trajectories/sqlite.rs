@@ -95,7 +95,7 @@ fn read_within(path: &Path, told: &Told, operations: i32) -> Result<Found, Recor
     }
     let (rows, oriented) = rows(&database, path, broken)?;
     let what = rows.what;
-    Ok(Found { what, rows: rows.rows, rate, frames, oriented, geometry })
+    Ok(Found { what, rows: rows.rows, rate, frames, oriented, geometry, names: None, notes: Vec::new() })
 }
 
 /// Opens a database that is only read, and nothing written beside it, for so many operations.

@@ -10,7 +10,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 /// \[bytes\] The largest text.
-const LARGEST: u64 = 4_000_000_000;
+pub(super) const LARGEST: u64 = 4_000_000_000;
 /// \[bytes\] The longest line.
 const LONGEST_LINE: u64 = 65_536;
 
@@ -63,21 +63,41 @@ fn same(own: &mut Option<f64>, new: f64, what: &str) -> Result<(), String> {
     Ok(())
 }
 
+/// The lines of a text.
+pub(super) struct Lines<'a> {
+    path: &'a Path,
+    file: BufReader<Bounded<File>>,
+    bytes: Vec<u8>,
+    n: u64,
+}
+
+impl<'a> Lines<'a> {
+    pub fn new(path: &'a Path, file: File) -> Lines<'a> {
+        Lines { path, file: BufReader::new(Bounded::new(file, LARGEST)), bytes: Vec::new(), n: 0 }
+    }
+
+    /// Returns the number of the next line, and the line with its end; `None` after the last one.
+    pub fn next(&mut self) -> Result<Option<(u64, &str)>, RecordError> {
+        let cannot = |error| RecordError::Read { path: self.path.to_owned(), error };
+        self.bytes.clear();
+        self.n += 1;
+        let n = self.n;
+        if self.file.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut self.bytes).map_err(cannot)? == 0 {
+            return Ok(None);
+        }
+        let wrong = |message| RecordError::wrong(self.path, format!("line {n}: {message}"));
+        if self.bytes.len() as u64 == LONGEST_LINE {
+            return Err(wrong(format!("is longer than {LONGEST_LINE} bytes")));
+        }
+        let line = std::str::from_utf8(&self.bytes).map_err(|_| wrong("is not UTF-8 text".into()))?;
+        Ok(Some((n, if n == 1 { line.trim_start_matches('\u{feff}') } else { line })))
+    }
+}
+
 pub(super) fn read(path: &Path, file: File, told: &Told) -> Result<Found, RecordError> {
-    let cannot = |error| RecordError::Read { path: path.to_owned(), error };
-    let mut file = BufReader::new(Bounded::new(file, LARGEST));
+    let mut lines = Lines::new(path, file);
     let (mut rows, mut said, mut head) = (Rows::new(path, "line"), Said::default(), None);
-    let mut bytes = Vec::new();
-    for n in 1.. {
-        bytes.clear();
-        if file.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut bytes).map_err(cannot)? == 0 {
-            break;
-        }
-        if bytes.len() as u64 == LONGEST_LINE {
-            return Err(rows.wrong(n, format!("is longer than {LONGEST_LINE} bytes")));
-        }
-        let line = std::str::from_utf8(&bytes).map_err(|_| rows.wrong(n, "is not UTF-8 text"))?;
-        let line = if n == 1 { line.trim_start_matches('\u{feff}') } else { line };
+    while let Some((n, line)) = lines.next()? {
         let (line, comment) = line.split_once('#').map_or((line, None), |(line, after)| (line, Some(after)));
         if let (Some(comment), None) = (comment, head) {
             said.take(comment).map_err(|wrong| rows.wrong(n, wrong))?;
@@ -113,7 +133,16 @@ pub(super) fn read(path: &Path, file: File, told: &Told) -> Result<Found, Record
     }
     let rate = rate_of(path, said.rate, told.rate)?;
     let (what, rows) = (rows.what, rows.rows);
-    Ok(Found { what, rows, rate, frames: None, oriented: false, geometry: Vec::new() })
+    Ok(Found {
+        what,
+        rows,
+        rate,
+        frames: None,
+        oriented: false,
+        geometry: Vec::new(),
+        names: None,
+        notes: Vec::new(),
+    })
 }
 
 /// Returns how many units are a metre.

@@ -3,6 +3,7 @@
 //! One program for all of them: linking takes longer than compiling.
 
 mod columns;
+mod programs;
 mod round_trip;
 mod table;
 mod trajectories;
