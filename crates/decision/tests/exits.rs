@@ -456,6 +456,41 @@ fn a_door_on_the_line_of_an_exit_is_on_the_way() {
     }
 }
 
+/// The outside: by hand. A door is 1 m before the exit: 3 cm before the door it is ahead, 3 cm behind it no more.
+#[test]
+fn a_door_that_somebody_has_passed_is_not_ahead() {
+    for k in 0..40 {
+        let turn = lemons_core::plane::rotation(0.08 * f64::from(k));
+        let put = |x: f64, y: f64| turn * vec2(x + 0.013 * f64::from(k), y);
+        let corners = [put(11.0, 0.0), put(11.0, 1.2)].map(Into::into).to_vec();
+        let exit = Target { name: String::new(), stay: false, corners, open: Vec::new(), time_factor: 1.0 };
+        let walls = [vec![put(10.0, -3.0), put(10.0, 0.0)], vec![put(10.0, 1.2), put(10.0, 4.0)]];
+        let people = [(put(7.0, 0.6), Destination::Target(0))];
+        let ways = Ways::new(&walls, &[exit], people.into_iter()).unwrap();
+        let ways = ways.with_doors(vec![vec![[put(10.0, 0.0), put(10.0, 1.2)]]]).unwrap();
+        let count = |x: f64| ways.doors_to(0, put(x, 0.6)).count();
+        assert_eq!((count(9.97), count(10.03)), (1, 0), "{k}");
+    }
+}
+
+/// The outside: by hand. Somebody 8 m from one exit and 12 m from the other is carried on by 4 m; an exit may close, so
+/// that people choose.
+#[test]
+fn who_is_carried_to_another_exit_takes_it_within_a_second() {
+    let exits = "exits = [{ line = [[0, 0], [0, 4]], open = [[0, 900]] }, { line = [[20, 0], [20, 4]] }]";
+    let mut decision = Decision::new(plan(&[], &[person(0, 8.0, 2.0)], exits).unwrap());
+    let mut force = |x: f64| {
+        decision.see(std::iter::once(still(Pose { x, y: 2.0, theta: 0.0 })));
+        let force = decision.acts().unwrap()[0].drive.force[0];
+        decision.pass(STEP).unwrap();
+        force
+    };
+    assert!(force(8.0) < 0.0);
+    let forces: Vec<f64> = (0..60).map(|_| force(12.0)).collect();
+    // The direction takes a while to turn.
+    assert!(forces[0] < 0.0 && forces[40..].iter().all(|force| *force > 0.0), "{forces:?}");
+}
+
 /// The outside: by hand. At 1.34 m/s, it is 20 m to a gate and 26 m to the exit behind it, and 40 m to the other exit. Who
 /// may come through the gate goes there straight on; it opens once, or to and fro. A second gate behind the first one may
 /// be shut for good by then.
