@@ -244,7 +244,9 @@ fn propose(arguments: &Arguments) -> Result<()> {
     if !found.ground.is_empty() {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let words = ["lemons".to_owned(), "room".to_owned(), named()].into_iter().chain(reading.repeated());
-        let words = words.chain(found.options()).chain(["-o".to_owned(), format!("{stem}.geojson")]);
+        let room = [format!("{stem}.geojson"), format!("{stem}_room.geojson")];
+        let room = room.into_iter().find(|name| Path::new(name) != path).unwrap_or_default();
+        let words = words.chain(found.options()).chain(["-o".to_owned(), room]);
         let words: Vec<String> = words.map(|word| quoted(&word)).collect();
         writeln!(out, "{:<18} {}", "command", words.join(" "))?;
     }

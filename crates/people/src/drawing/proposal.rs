@@ -583,8 +583,7 @@ impl Gap {
 /// Says why the outline of a plan may not be the room; `None` if nothing speaks against it.
 pub(super) fn doubt(plan: &Plan) -> Option<String> {
     let Some(outline) = plan.outline else {
-        let count = plan.walls.len();
-        return Some(format!("none of its {count} walls is closed, so nothing is inside"));
+        return Some("no wall is closed, so nothing is inside".to_owned());
     };
     let swing = |(k, wall): (usize, &Vec<Vec2>)| Some((k, swings::within(wall)?));
     if let Some((k, Swing { hinge, shut, .. })) =
