@@ -76,6 +76,8 @@ const NO_GATE: u32 = u32::MAX;
 
 /// \[m\] Who arrives so near to a door is at it: rounding.
 const AT_DOOR: f64 = 1e-6;
+/// \[m\] What is so near to a wall lies on it: slanted lines are written in millimetres.
+const ON_WALL: f64 = 0.002;
 
 /// Doors of straight pieces.
 #[derive(Debug, Clone, Default)]
@@ -215,13 +217,13 @@ impl Grid {
             .flat_map(move |row| across.clone().map(move |column| row * columns + column))
     }
 
-    /// Returns whether no wall lies between two places that are near each other.
+    /// Returns whether no wall lies between two places that are near each other, and none at the second one.
     pub fn sees(&self, from: Vec2, to: Vec2) -> bool {
         let between = Bounds::of([from, to]).expect("two points").grown(self.step);
         let mut near = self.nodes_in(between).filter_map(|node| self.beside.get(&node)).flatten();
         !near.any(|&face| {
             let [a, b] = self.faces[face as usize];
-            segments_touch(from, to, a, b)
+            segments_touch(from, to, a, b) || (nearest_on_segment(a, b, to) - to).norm() < ON_WALL
         })
     }
 

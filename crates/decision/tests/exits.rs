@@ -335,6 +335,60 @@ fn who_is_slow_crosses_any_line_in_the_time_of_the_way() {
     assert!(worst.0 < 0.03, "{} m: {}", worst.0, worst.1);
 }
 
+/// The outside: by hand. A room, turned by any angle, has a door of 1.2 m in a wall, and the line of the exit lies on this
+/// wall: between the posts, or along the wall as well, where nobody leaves. All is written in millimetres. Who stands
+/// before the door walks straight on; the others keep clear of the wall.
+#[test]
+fn an_exit_on_the_line_of_a_wall_is_left_by_its_door() {
+    for k in 0..12 {
+        let angle = [7.0f64, 30.0, 45.0, 63.0, 117.0, 211.0][k % 6].to_radians();
+        let turn = lemons_core::plane::rotation(angle);
+        let put = |(x, y): (f64, f64)| (turn * vec2(x, y)).map(|value| (1e3 * value).round() / 1e3);
+        let room = [(6.0, 2.6), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0), (6.0, 1.4)];
+        // The grid begins elsewhere.
+        let far = -3.0 - 0.013 * k as f64;
+        let walls = [room.map(put).to_vec(), vec![vec2(far, far), vec2(far - 1.0, far)]];
+        for (low, high) in [(1.4, 2.6), (0.0, 4.0), (1.4, 4.0), (-3.0, 7.0)] {
+            let ends = [(6.0, low), (6.0, high)].map(|at| <[f64; 2]>::from(put(at)));
+            for (x, y, speed) in
+                [(4.0, 2.0), (5.0, 1.8), (2.0, 0.5), (5.8, 0.5), (5.6, 3.6), (5.85, 3.0), (5.87, 1.2)]
+                    .into_iter()
+                    .flat_map(|(x, y)| [0.3, 1.3].map(|speed| (x, y, speed)))
+            {
+                let case = format!("{k}, {ends:?}, {speed} m/s from {x}, {y}");
+                let config =
+                    format!("model = \"straight\"\ndesired_speed = {speed}\nexits = [{{ line = {ends:?} }}]");
+                let from = put((x, y));
+                let plan = plan(&walls, &[person(0, from.x, from.y)], &config).unwrap();
+                let way = alone(&walk(plan, (9.0 / speed / STEP) as usize), 0);
+                let last = lemons_core::plane::rotation(-angle) * *way.last().unwrap();
+                // Points get nearer to a post than bodies.
+                assert!((1.35..2.65).contains(&last.y) && last.x > 5.9, "{case}: ends at {last:?}");
+                // To the door's nearest post, and there.
+                let shortest = (6.0 - x).hypot(f64::max(1.4 - y, y - 2.6).max(0.0));
+                let late = way.len() as f64 * STEP - shortest / speed;
+                let most = if (1.4..2.6).contains(&y) { 0.03 } else { 0.4 };
+                assert!((-STEP..STEP + most / speed).contains(&late), "{case}: {late} s late");
+            }
+        }
+    }
+}
+
+/// The outside: by hand. A wall at any angle has no door.
+#[test]
+fn an_exit_on_a_slanted_wall_is_refused() {
+    for k in 0..90 {
+        let turn = lemons_core::plane::rotation(f64::from(k).to_radians());
+        let put = |(x, y): (f64, f64)| turn * vec2(x, y);
+        let room = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0)].map(put).to_vec();
+        let ends = [(6.0, 1.0), (6.0, 3.0)].map(|at| <[f64; 2]>::from(put(at)));
+        let from = put((3.0, 2.0));
+        let said = plan(&[room], &[person(0, from.x, from.y)], &format!("exits = [{{ line = {ends:?} }}]"));
+        let said = said.map(|_| "taken".to_owned()).unwrap_or_else(|error| error.to_string());
+        assert!(said.contains("lies on walls"), "{k}°: {said}");
+    }
+}
+
 /// The outside: by hand. A wall lies between somebody and the near line: the way to it is round the wall's end.
 #[test]
 fn the_last_step_to_a_line_is_not_through_a_wall() {
@@ -384,9 +438,8 @@ fn a_door_on_the_line_of_an_exit_is_on_the_way() {
         let put = |x: f64, y: f64| turn * (vec2(x, y) + shift);
         let wall = |from: f64, to: f64| vec![put(10.0, from), put(10.0, to)];
         let walls = [wall(-3.0, 0.0), wall(1.2, 4.0), wall(5.2, 8.0)];
-        for behind in [0.0, 0.02, 0.06] {
-            // On a wall there is no exit.
-            let (low, high) = if behind > 0.0 { (-3.0, 8.0) } else { (0.0, 1.2) };
+        // Between the posts, and along the wall.
+        for (behind, low, high) in [(0.0, 0.0, 1.2), (0.0, -3.0, 8.0), (0.02, -3.0, 8.0), (0.06, -3.0, 8.0)] {
             let corners = [put(10.0 + behind, low), put(10.0 + behind, high)].map(Into::into).to_vec();
             let (open, name) = (Vec::new(), String::new());
             let exit = Target { name, stay: false, corners, open, time_factor: 1.0 };
@@ -394,13 +447,48 @@ fn a_door_on_the_line_of_an_exit_is_on_the_way() {
             let people = [before, other, put(0.0, 0.0)].map(|at| (at, Destination::Target(0)));
             let ways = Ways::new(&walls, &[exit], people.into_iter()).unwrap();
             let ways = ways.with_doors(vec![vec![[put(10.0, 0.0), put(10.0, 1.2)]]]).unwrap();
-            for (at, count) in [(before, 1), (put(9.9, 0.5), 1), (other, usize::from(behind == 0.0))] {
+            for (at, count) in [(before, 1), (put(9.9, 0.5), 1), (other, usize::from(high == 1.2))] {
                 let doors: Vec<(usize, f64)> = ways.doors_to(0, at).collect();
-                assert_eq!(doors.len(), count, "{k}, {behind} m behind, from {at:?}: {doors:?}");
+                assert_eq!(doors.len(), count, "{k}, {behind} m behind, to {high}, from {at:?}: {doors:?}");
                 assert!(doors.iter().all(|(_, far)| *far <= 0.3), "{k}: {doors:?}");
             }
         }
     }
+}
+
+/// The outside: by hand. A door is 1 m before the exit: 3 cm before the door it is ahead, 3 cm behind it no more.
+#[test]
+fn a_door_that_somebody_has_passed_is_not_ahead() {
+    for k in 0..40 {
+        let turn = lemons_core::plane::rotation(0.08 * f64::from(k));
+        let put = |x: f64, y: f64| turn * vec2(x + 0.013 * f64::from(k), y);
+        let corners = [put(11.0, 0.0), put(11.0, 1.2)].map(Into::into).to_vec();
+        let exit = Target { name: String::new(), stay: false, corners, open: Vec::new(), time_factor: 1.0 };
+        let walls = [vec![put(10.0, -3.0), put(10.0, 0.0)], vec![put(10.0, 1.2), put(10.0, 4.0)]];
+        let people = [(put(7.0, 0.6), Destination::Target(0))];
+        let ways = Ways::new(&walls, &[exit], people.into_iter()).unwrap();
+        let ways = ways.with_doors(vec![vec![[put(10.0, 0.0), put(10.0, 1.2)]]]).unwrap();
+        let count = |x: f64| ways.doors_to(0, put(x, 0.6)).count();
+        assert_eq!((count(9.97), count(10.03)), (1, 0), "{k}");
+    }
+}
+
+/// The outside: by hand. Somebody 8 m from one exit and 12 m from the other is carried on by 4 m; an exit may close, so
+/// that people choose.
+#[test]
+fn who_is_carried_to_another_exit_takes_it_within_a_second() {
+    let exits = "exits = [{ line = [[0, 0], [0, 4]], open = [[0, 900]] }, { line = [[20, 0], [20, 4]] }]";
+    let mut decision = Decision::new(plan(&[], &[person(0, 8.0, 2.0)], exits).unwrap());
+    let mut force = |x: f64| {
+        decision.see(std::iter::once(still(Pose { x, y: 2.0, theta: 0.0 })));
+        let force = decision.acts().unwrap()[0].drive.force[0];
+        decision.pass(STEP).unwrap();
+        force
+    };
+    assert!(force(8.0) < 0.0);
+    let forces: Vec<f64> = (0..60).map(|_| force(12.0)).collect();
+    // The direction takes a while to turn.
+    assert!(forces[0] < 0.0 && forces[40..].iter().all(|force| *force > 0.0), "{forces:?}");
 }
 
 /// The outside: by hand. At 1.34 m/s, it is 20 m to a gate and 26 m to the exit behind it, and 40 m to the other exit. Who

@@ -184,10 +184,27 @@ impl Drawing {
         Ok(Drawing { format, lines, unit, unit_from, curves, left_out })
     }
 
+    /// Returns the layers that are listed: each is the name of a layer, or such names with commas between. Names that are not
+    /// in the drawing are among them.
+    pub fn layers(&self, listed: &[String]) -> Vec<String> {
+        let there =
+            || self.lines.iter().map(|line| &line.layer).chain(self.left_out.keys().map(|(layer, _)| layer));
+        let is_one = |name: &str| !name.contains(',') || there().any(|layer| is_same(layer, name));
+        let names = |name: &String| -> Vec<String> {
+            if is_one(name) { vec![name.clone()] } else { name.split(',').map(str::to_owned).collect() }
+        };
+        listed.iter().flat_map(names).collect()
+    }
+
     /// Returns the lowest and the highest coordinates \[m\].
     pub fn bounds(&self) -> Option<Bounds> {
         Bounds::of(self.lines.iter().flat_map(|line| line.corners.iter().copied()))
     }
+}
+
+/// Returns whether two names are those of one layer.
+fn is_same(layer: &str, other: &str) -> bool {
+    layer.to_uppercase() == other.to_uppercase()
 }
 
 /// Says what was left out: `3 TEXT on layer "A"`.

@@ -78,15 +78,16 @@ pub struct DrawingArguments {
     /// Move the lower left corner of all walls to 0,0
     #[arg(long)]
     origin: bool,
-    /// Only these layers are walls, if no layer is a walkable area or an obstacle
-    #[arg(long, value_name = "LAYERS", value_delimiter = ',')]
+    /// Only these layers are walls, if no layer is a walkable area or an obstacle. Commas part names. For a
+    /// name with a comma, give the option once for each layer
+    #[arg(long, value_name = "LAYERS")]
     walls: Vec<String>,
     /// The room is what the walls enclose: two lines side by side (5 to 40 cm) are one wall, and gaps to
     /// the outside are closed, as for --door. lemons room --propose lists them
     #[arg(long)]
     enclosed: bool,
-    /// Closed lines on these layers are obstacles, with --enclosed
-    #[arg(long, value_name = "LAYERS", value_delimiter = ',', requires = "enclosed")]
+    /// Closed lines on these layers are obstacles, with --enclosed. Names as for --walls
+    #[arg(long, value_name = "LAYERS", requires = "enclosed")]
     obstacles: Vec<String>,
     /// Widest gap of a wall that is closed, with --enclosed. Default: 3m
     #[arg(long, value_name = "LENGTH", value_parser = length, requires = "enclosed")]
@@ -243,7 +244,9 @@ fn propose(arguments: &Arguments) -> Result<()> {
     if !found.ground.is_empty() {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let words = ["lemons".to_owned(), "room".to_owned(), named()].into_iter().chain(reading.repeated());
-        let words = words.chain(found.options()).chain(["-o".to_owned(), format!("{stem}.geojson")]);
+        let room = [format!("{stem}.geojson"), format!("{stem}_room.geojson")];
+        let room = room.into_iter().find(|name| Path::new(name) != path).unwrap_or_default();
+        let words = words.chain(found.options()).chain(["-o".to_owned(), room]);
         let words: Vec<String> = words.map(|word| quoted(&word)).collect();
         writeln!(out, "{:<18} {}", "command", words.join(" "))?;
     }

@@ -4,7 +4,7 @@ use super::areas::{Areas, areas};
 use super::collinear::without_overlaps;
 use super::join::{Joined, join, without_doubles};
 use super::proposal::{self, Enclosing};
-use super::{Drawing, Line, some_of};
+use super::{Drawing, Line, is_same, some_of};
 use crate::error::{PeopleError, Result, require};
 use crate::placing::{FARTHEST, Region};
 use crate::{Door, closed_walls, is_closed};
@@ -120,10 +120,18 @@ pub struct Settings {
     pub close: Option<f64>,
     /// Whether the lower left corner of everything goes to the origin.
     pub to_origin: bool,
-    /// Layers whose lines are walls, where none is named as a walkable area; empty: all.
+    /// Layers whose lines are walls, where none is named as a walkable area; empty: all. See [`Drawing::layers`].
     pub walls: Vec<String>,
     /// Whether the room is what walls enclose, two lines side by side being one wall.
     pub enclosing: Option<Enclosing>,
+}
+
+impl Settings {
+    /// Returns settings with the layers of a drawing.
+    fn parted(&self, drawing: &Drawing) -> Settings {
+        let enclosing = self.enclosing.as_ref().map(|how| how.parted(drawing));
+        Settings { walls: drawing.layers(&self.walls), enclosing, ..self.clone() }
+    }
 }
 
 /// A place with a name.
@@ -213,6 +221,7 @@ impl Plan {
     /// # Errors
     /// There are no walls, or an area crosses itself.
     pub fn of(drawing: Drawing, settings: &Settings) -> Result<Plan> {
+        let settings = &settings.parted(&drawing);
         let Drawing { mut lines, mut left_out, .. } = drawing;
         check_layers(&settings.walls, &lines, &left_out)?;
         let mut mended = Vec::new();
@@ -453,7 +462,7 @@ impl Plan {
 }
 
 fn asked_for(walls: &[String], layer: &str) -> bool {
-    walls.iter().any(|wall| wall.to_uppercase() == layer.to_uppercase())
+    walls.iter().any(|wall| is_same(wall, layer))
 }
 
 /// Refuses layers that are not in the drawing.

@@ -7,7 +7,7 @@
 use super::bands::{self, DOOR, Gap, Leads, THICKNESS};
 use super::pieces::{Mended, Piece, SNAP, mended, pieces_of};
 use super::sort::{Flight, Layer, Sort, Sorted, of_name, sorted};
-use super::swings::{Swing, swings_of};
+use super::swings::{self, Swing, swings_of};
 use super::{Drawing, Line, Plan, Role, WIDEST_GAP};
 use crate::error::{Result, require};
 use crate::{Door, is_closed};
@@ -40,6 +40,13 @@ pub struct Enclosing {
 impl Default for Enclosing {
     fn default() -> Enclosing {
         Enclosing { obstacles: Vec::new(), widest: WIDEST_DOOR }
+    }
+}
+
+impl Enclosing {
+    /// Returns it with the layers of a drawing.
+    pub(super) fn parted(&self, drawing: &Drawing) -> Enclosing {
+        Enclosing { obstacles: drawing.layers(&self.obstacles), ..self.clone() }
     }
 }
 
@@ -278,8 +285,8 @@ impl Proposal {
         let of = |is: fn(Sort) -> bool| -> Vec<String> {
             layers.iter().filter(|layer| is(layer.sort)).map(|layer| layer.name.clone()).collect()
         };
-        let walls = if walls.is_empty() { of(|sort| sort == Sort::Wall) } else { walls.to_vec() };
-        let mut enclosing = given.cloned().unwrap_or_default();
+        let walls = if walls.is_empty() { of(|sort| sort == Sort::Wall) } else { drawing.layers(walls) };
+        let mut enclosing = given.map(|how| how.parted(drawing)).unwrap_or_default();
         if given.is_none() {
             enclosing.obstacles = of(Sort::is_obstacle);
         }
@@ -509,13 +516,15 @@ impl Proposal {
     /// Returns the options of the command that take what is proposed.
     pub fn options(&self) -> Vec<String> {
         let mut options = vec!["--enclosed".to_owned()];
-        let list = |layers: &[String]| layers.join(",");
-        if !self.walls.is_empty() {
-            options.extend(["--walls".to_owned(), list(&self.walls)]);
-        }
-        if !self.enclosing.obstacles.is_empty() {
-            options.extend(["--obstacles".to_owned(), list(&self.enclosing.obstacles)]);
-        }
+        // A name with a comma is an option of its own.
+        let mut list = |option: &str, layers: &[String]| {
+            let alone = layers.iter().any(|layer| layer.contains(','));
+            let lists = if alone { layers.to_vec() } else { vec![layers.join(",")] };
+            let given = lists.into_iter().filter(|list| !list.is_empty());
+            options.extend(given.flat_map(|list| [option.to_owned(), list]));
+        };
+        list("--walls", &self.walls);
+        list("--obstacles", &self.enclosing.obstacles);
         if let Some(close) = self.close {
             options.extend(["--close".to_owned(), format!("{}cm", number(100.0 * close))]);
         }
@@ -573,7 +582,19 @@ impl Gap {
 
 /// Says why the outline of a plan may not be the room; `None` if nothing speaks against it.
 pub(super) fn doubt(plan: &Plan) -> Option<String> {
-    let outline = plan.outline?;
+    let Some(outline) = plan.outline else {
+        return Some("no wall is closed, so nothing is inside".to_owned());
+    };
+    let swing = |(k, wall): (usize, &Vec<Vec2>)| Some((k, swings::within(wall)?));
+    if let Some((k, Swing { hinge, shut, .. })) =
+        plan.walls.iter().enumerate().filter(|(_, wall)| is_closed(wall)).find_map(swing)
+    {
+        return Some(format!(
+            "wall {k} is closed by the swing of a door only, {} m wide at {}: its arc and leaf are taken as a wall",
+            number((shut - hinge).norm()),
+            place((hinge + shut) * 0.5)
+        ));
+    }
     let ring = Ring::through(plan.walls[outline].clone())?;
     let rim = |ring: &Ring| ring.sides().map(|(a, b)| (b - a).norm()).sum::<f64>();
     let thickest = THICKNESS[1] + 0.005;

@@ -37,6 +37,25 @@ pub(super) fn swings_of(lines: &[Line], pieces: &[Piece]) -> Vec<Swing> {
     arcs.filter_map(|arc| swing(&arc, lines, pieces)).collect()
 }
 
+/// Finds a swing that is part of a closed wall: an arc, and a side from one of its ends to its centre.
+pub(super) fn within(wall: &[Vec2]) -> Option<Swing> {
+    // An arc may lie across the wall's first corner.
+    let corners: Vec<Vec2> = wall.iter().chain(wall.iter().skip(1)).copied().collect();
+    let (layer, entity) = (String::new(), String::new());
+    let line =
+        Line { layer, role: None, name: None, entity, corners, closed: false, hole: false, ground: false };
+    let sides = |at: Vec2| wall.windows(2).filter(move |side| side.contains(&at));
+    arcs_of(0, &line).into_iter().take(MOST_ARCS).find_map(|arc| {
+        let beside = arc.ends.into_iter().flat_map(sides);
+        let beside: Vec<Piece> = beside.map(|side| Piece { a: side[0], b: side[1], line: 0 }).collect();
+        // A sector of a circle has a side where a leaf would be shut.
+        let is_shut = |found: &Swing| {
+            sides(found.shut).flatten().any(|end| (end - found.hinge).norm() < 0.1 * arc.radius)
+        };
+        swing(&arc, std::slice::from_ref(&line), &beside).filter(|found| !is_shut(found))
+    })
+}
+
 fn swing(arc: &Arc, lines: &[Line], pieces: &[Piece]) -> Option<Swing> {
     let near = |a: Vec2, b: Vec2| (a - b).norm() <= 0.06 + 0.03 * arc.radius;
     let leaf_to = |end: Vec2| {

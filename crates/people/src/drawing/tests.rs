@@ -1251,6 +1251,77 @@ fn units_and_places_that_no_room_has_are_doubted() {
     assert_eq!((of(400.0, 12.0), of(3001.0, 12.0).is_some()), (None, true));
 }
 
+/// The outside: by hand. A room of one line has a door of 0.9 m or of 1.8 m, and only its swings close the line. A room
+/// with a round corner, and one with a bar that is a quarter of a circle, have none.
+#[test]
+fn a_wall_that_only_the_swing_of_a_door_closes_is_doubted() {
+    let line =
+        |a: (f64, f64), b: (f64, f64)| format!("0 LINE 8 W 10 {} 20 {} 11 {} 21 {} ", a.0, a.1, b.0, b.1);
+    let arc = |x: f64, y: f64, radius: f64, from: u32, to: u32| {
+        format!("0 ARC 8 W 10 {x} 20 {y} 40 {radius} 50 {from} 51 {to} ")
+    };
+    let chain =
+        |corners: &[(f64, f64)]| corners.windows(2).map(|ends| line(ends[0], ends[1])).collect::<String>();
+    let of = |entities: &str| {
+        let text = dxf_of("", "", entities);
+        let read =
+            |settings: &PlanSettings| Read::of(Format::Dxf, text.as_bytes(), &METRES, settings).unwrap();
+        let drawing = Drawing::read(Format::Dxf, text.as_bytes(), &METRES).unwrap();
+        let doors = Proposal::of(&drawing, &[], None, None).unwrap().unwrap().doors();
+        let at = |door: &crate::Door| ((1e3 * door.at).into(), 1e3 * door.width);
+        let doors: Vec<([f64; 2], f64)> = doors.iter().map(at).collect();
+        let chosen = PlanSettings { walls: vec!["w".to_owned()], ..PlanSettings::default() };
+        assert_eq!(read(&chosen).doubt, read(&PlanSettings::default()).doubt);
+        (read(&chosen).doubt, doors)
+    };
+    let swing = "is closed by the swing of a door only, 0.9 m wide at";
+    let room =
+        |right: f64| chain(&[(right, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (2.0, 0.0)]);
+    let left = line((2.0, 0.0), (2.0, 0.9)) + &arc(2.0, 0.0, 0.9, 0, 90);
+    let (doubt, doors) = of(&(room(2.9) + &left));
+    assert!(doubt.as_ref().is_some_and(|said| said.contains(&format!("{swing} 2.45,0:"))), "{doubt:?}");
+    assert_eq!(doors, [([2450.0, 0.0], 900.0)]);
+    let right = line((3.8, 0.0), (3.8, 0.9)) + &arc(3.8, 0.0, 0.9, 90, 180);
+    let (doubt, doors) = of(&(room(3.8) + &left + &right));
+    assert!(doubt.as_ref().is_some_and(|said| said.contains(swing)), "{doubt:?}");
+    assert_eq!(doors, [([2900.0, 0.0], 1800.0)]);
+    let round =
+        chain(&[(5.0, 0.0), (0.0, 0.0), (0.0, 4.0), (6.0, 4.0), (6.0, 1.0)]) + &arc(5.0, 1.0, 1.0, 270, 360);
+    let bar = room(2.0) + &chain(&[(3.0, 3.0), (3.0, 2.0), (4.0, 2.0)]) + &arc(3.0, 2.0, 1.0, 0, 90);
+    for entities in [round, bar] {
+        assert_eq!(of(&entities).0, None);
+    }
+}
+
+/// The outside: by hand. A name that is in the file is one layer; others are parted at commas.
+#[test]
+fn names_of_layers_may_have_commas() {
+    let square = |layer: &str, from: u32| {
+        format!(
+            r#"{{"type": "Feature", "properties": {{"layer": "{layer}"}}, "geometry": {{"type": "LineString",
+            "coordinates": [[{from}, {from}], [9, {from}], [9, 9], [{from}, 9], [{from}, {from}]]}}}}"#
+        )
+    };
+    let all = ["Wände, EG", "A", "B", "Kern, 1"].iter().zip(0..).map(|(layer, k)| square(layer, k));
+    let text =
+        format!(r#"{{"type": "FeatureCollection", "features": [{}]}}"#, all.collect::<Vec<_>>().join(", "));
+    let of = |walls: &[&str]| {
+        let walls: Vec<String> = walls.iter().map(|wall| (*wall).to_owned()).collect();
+        let settings = PlanSettings { walls, ..PlanSettings::default() };
+        let read = Read::of(Format::GeoJson, text.as_bytes(), &METRES, &settings);
+        read.map(|read| read.plan.walls.len()).map_err(|error| error.to_string())
+    };
+    assert_eq!((of(&["Wände, EG"]), of(&["wände, eg", "A,B"]), of(&["A,B"])), (Ok(1), Ok(3), Ok(2)));
+    assert!(of(&["Wände, OG"]).unwrap_err().contains("no layer \"Wände\""));
+    // A proposal is repeated as it is.
+    let drawing = Drawing::read(Format::GeoJson, text.as_bytes(), &METRES).unwrap();
+    let given = Enclosing { obstacles: vec!["Kern, 1".to_owned()], ..Enclosing::default() };
+    let walls = ["Wände, EG".to_owned(), "A,B".to_owned()];
+    let found = Proposal::of(&drawing, &walls, None, Some(&given)).unwrap().unwrap();
+    let expected = ["--walls", "Wände, EG", "--walls", "A", "--walls", "B", "--obstacles", "Kern, 1"];
+    assert_eq!(found.options()[1..9], expected);
+}
+
 /// Of 30 000 lines on each other one wall is left: the engine compares all pairs of those.
 #[test]
 fn many_lines_on_one_line_are_one_wall() {
