@@ -113,7 +113,9 @@ fn a_text_says_what_is_wrong_in_it() {
         ("", "holds no trajectories"),
         ("# framerate: 12\n1 1 0 0", "line 3: there are two frame rates"),
         ("# in cm\n1 1 0 0", "line 3: there are two units"),
-        ("# framerate: fast\n1 1 0 0", "begins with no number"),
+        ("# framerate: fast\n1 1 0 0", "begins with no plain number"),
+        ("# framerate: 30000/1001\n1 1 0 0", "framerate: \"30000/1001\" begins with no plain number"),
+        ("# framerate: 12,5\n1 1 0 0", "begins with no plain number"),
     ] {
         let said = read(&file(&at, &format!("{head}{rows}")), &Told::default()).err().unwrap();
         assert!(
