@@ -184,8 +184,8 @@ impl Drawing {
         Ok(Drawing { format, lines, unit, unit_from, curves, left_out })
     }
 
-    /// Returns the layers that are listed: each is the name of a layer, or such names with commas between. Names that are not
-    /// in the drawing are among them.
+    /// Returns the layers that are listed, spelt as in the drawing: each is the name of a layer, or such names with commas
+    /// between. Names that are not in the drawing are among them.
     pub fn layers(&self, listed: &[String]) -> Vec<String> {
         let there =
             || self.lines.iter().map(|line| &line.layer).chain(self.left_out.keys().map(|(layer, _)| layer));
@@ -193,7 +193,11 @@ impl Drawing {
         let names = |name: &String| -> Vec<String> {
             if is_one(name) { vec![name.clone()] } else { name.split(',').map(str::to_owned).collect() }
         };
-        listed.iter().flat_map(names).collect()
+        let spelt = |name: String| match there().find(|layer| is_same(layer, &name)) {
+            Some(layer) if !there().any(|layer| *layer == name) => layer.clone(),
+            _ => name,
+        };
+        listed.iter().flat_map(names).map(spelt).collect()
     }
 
     /// Returns the lowest and the highest coordinates \[m\].

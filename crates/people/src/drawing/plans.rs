@@ -440,6 +440,38 @@ fn swings_on_walls_without_gaps_are_doors_and_passages() {
     assert_eq!(found.gaps.iter().map(Gap::kind).collect::<Vec<_>>(), ["door", "passage"]);
 }
 
+/// A hall of two lines with a door, 14 m by 9 m, in the frame of a sheet.
+#[test]
+fn a_frame_around_a_room_is_asked_for() {
+    let hall = [
+        [5.0, 0.0],
+        [0.0, 0.0],
+        [0.0, 9.0],
+        [14.0, 9.0],
+        [14.0, 0.0],
+        [6.0, 0.0],
+        [6.0, -0.2],
+        [14.2, -0.2],
+        [14.2, 9.2],
+        [-0.2, 9.2],
+        [-0.2, -0.2],
+        [5.0, -0.2],
+    ];
+    let frame = rect(-20.0, -20.0, 40.0, 30.0);
+    let asks = |lines: &[(&str, &[[f64; 2]], bool)]| {
+        let found = proposal(&drawn(lines, &[]));
+        found.questions.iter().any(|question| question.contains("rectangle of 60 m x 50 m a frame"))
+    };
+    assert!(asks(&[("Walls", &hall, true), ("Walls", &frame, true)]));
+    // A wall that meets it, and one alone.
+    assert!(!asks(&[
+        ("Walls", &hall, true),
+        ("Walls", &frame, true),
+        ("Walls", &[[-20.0, 0.0], [-9.0, 0.0]], false)
+    ]));
+    assert!(!asks(&[("Walls", &frame, true), ("Walls", &[[0.0, 0.0], [9.0, 0.0]], false)]));
+}
+
 #[test]
 fn what_is_not_clear_is_asked_for() {
     // A gap of 4 m, one without a leaf, a layer that says nothing.

@@ -27,6 +27,9 @@ const MOST: f64 = 0.7;
 /// More of a kind are only counted.
 const MOST_SAID: usize = 100;
 
+/// \[m\] Walls of a room are further away from a frame around it.
+const FRAME: f64 = 1.0;
+
 /// How walls enclose a room.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -375,6 +378,16 @@ impl Proposal {
         doors.map(Gap::door).collect()
     }
 
+    /// Returns whether the rim of the ground is an upright rectangle that no wall of the rest is near, and the rest has a
+    /// way in.
+    fn is_frame(&self, rim: &Ring) -> bool {
+        let far = |at: &Vec2| rim.nearest(*at).distance;
+        let is_near = |piece: &&[Vec2; 2]| piece.iter().any(|end| far(end) <= FRAME);
+        let on_rim = |[a, b]: &[Vec2; 2]| far(a) <= THICKNESS[1] && far(b) <= THICKNESS[1];
+        let enters = self.gaps.iter().any(|gap| gap.leads == Leads::Inside && far(&gap.at()) > FRAME);
+        rim.is_upright() && enters && self.drawn.iter().filter(is_near).all(on_rim)
+    }
+
     fn asked(&self, taken: &Taken) -> Vec<String> {
         let mut asked = Vec::new();
         if self.walls.is_empty() {
@@ -394,6 +407,15 @@ impl Proposal {
             ));
         }
         let rim: Vec<Ring> = self.ground.iter().filter_map(|ring| Ring::through(ring.clone())).collect();
+        if let Some(frame) = rim.first().filter(|rim| self.is_frame(rim)) {
+            let size = frame.bounds().size();
+            asked.push(format!(
+                "is the rectangle of {} m x {} m a frame of the sheet, or a fence? No other wall meets it, and the walls of a \
+                 room stand in it: --walls without its layer leaves it out",
+                number(size.x),
+                number(size.y)
+            ));
+        }
         let in_room = |at: Vec2| rim.iter().filter(|ring| ring.contains(at)).count() == 1;
         for [a, b] in taken.wide.iter().filter(|[a, b]| !in_room((a + b) * 0.5)).take(MOST_SAID) {
             let width = number((b - a).norm());

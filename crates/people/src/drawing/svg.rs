@@ -19,6 +19,8 @@ const MOST_NODES: u32 = 1_000_000;
 const MOST_OF_PARTS: usize = 10_000;
 /// More elements within each other are a mistake.
 const DEEPEST: usize = 100;
+/// What a style sheet may say of which areas and holes there are.
+const STYLES: [&str; 2] = ["fill-rule", "display"];
 /// What draws nothing where it stands.
 const SILENT: [&str; 15] = [
     "defs",
@@ -179,7 +181,8 @@ impl Filled {
         let style = element.optional("style").unwrap_or("");
         let styled = |name: &str| {
             let mut parts = style.rsplit(';').filter_map(|part| part.split_once(':'));
-            parts.find(|(key, _)| key.trim() == name).map(|(_, value)| value.trim())
+            let (_, value) = parts.find(|(key, _)| key.trim() == name)?;
+            Some(value.trim().trim_end_matches("!important").trim_end())
         };
         let said = |name: &str| styled(name).or(element.optional(name).map(str::trim));
         let none = match said("fill") {
@@ -241,6 +244,9 @@ impl<'a> Walk<'a, '_> {
         require(depth < DEEPEST, || {
             format!("line {}: <{kind}> is within more than {DEEPEST} elements", element.line())
         })?;
+        if kind == "style" && element.texts().any(|(text, _)| STYLES.iter().any(|name| text.contains(name))) {
+            self.tracer.leave_out("", "<style> with fill-rule or display (not read)");
+        }
         if SILENT.contains(&kind) {
             return Ok(());
         }

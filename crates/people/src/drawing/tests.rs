@@ -959,6 +959,7 @@ fn holes_of_paths_are_holes() {
     for (how, path, expected) in [
         ("fill-rule='evenodd'", outer.clone() + &same, 375.0),
         ("style='fill: red; fill-rule: evenodd'", outer.clone() + &same, 375.0),
+        ("style='fill-rule: evenodd !important'", outer.clone() + &same, 375.0),
         ("style='fill:none'", outer.clone() + &same, 375.0),
         ("", outer.clone() + &other, 375.0),
         ("fill-rule='nonzero'", outer.clone() + &same, 400.0),
@@ -978,6 +979,22 @@ fn holes_of_paths_are_holes() {
         let area = of("obstacles", how, &path);
         assert!((area - (900.0 - expected)).abs() < 1e-6, "{how} {path}: {area}");
     }
+}
+
+#[test]
+fn style_sheets_of_holes_and_names_in_other_letters_are_said_and_found() {
+    let text = "<svg viewBox='0 0 9 9'><style>.a{fill-rule:evenodd}</style><path class='a' d='M0,0 h9 v9 h-9 z'/></svg>";
+    let read = plan(Format::Svg, text);
+    assert!(
+        read.left_out.keys().any(|(_, kind)| kind.starts_with("<style> with fill-rule")),
+        "{:?}",
+        read.left_out
+    );
+    let wall = "<svg viewBox='0 0 9 9'><g id='A-WALL'><path d='M0,0 h9 v9 h-9 z'/></g></svg>";
+    let drawing =
+        Drawing::read(Format::Svg, wall.as_bytes(), &Reading { unit: Some(1.0), ..Reading::default() })
+            .unwrap();
+    assert_eq!(drawing.layers(&["a-wall,other".to_owned()]), ["A-WALL", "other"]);
 }
 
 /// `fill` and `fill-rule` are each that of the nearest element that says it.
