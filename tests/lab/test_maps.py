@@ -101,8 +101,8 @@ def test_the_squeeze_is_that_of_those_in_each_cell(page: Page, tmp_path: Path) -
     # A ring of ink is around the cell with the greatest value.
     most = found["mean_squeeze_of_means_of_0.1_s"].argmax()
     x, y = picture.pixel(found["x"][most], found["y"][most])
-    shot = np.asarray(Image.open(io.BytesIO(shot(picture.canvas))).convert("L")).astype(int)
-    ring = [shot[round(y + 7 * math.sin(turn)), round(x + 7 * math.cos(turn))] for turn in np.arange(0.1, 2 * math.pi, 0.5)]
+    grey = np.asarray(Image.open(io.BytesIO(shot(picture.canvas))).convert("L")).astype(int)
+    ring = [grey[round(y + 7 * math.sin(turn)), round(x + 7 * math.cos(turn))] for turn in np.arange(0.1, 2 * math.pi, 0.5)]
     assert np.median(ring) < 90, ring
     # Without a mouse: the number where the selected person stands.
     page.get_by_role("combobox", name="Person", exact=True).select_option(label="0")

@@ -3,6 +3,7 @@
 //! The crate `tempfile` is not used: its random names initialise a thread-local of this library, whose destructor
 //! crashes the host's thread if it ends after the library was unloaded.
 
+use super::written::MEANWHILE;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -110,7 +111,10 @@ impl Scratch {
     /// It cannot be moved there.
     pub(crate) fn persist(mut self, place: &Path) -> io::Result<()> {
         let mut all = begun();
-        std::fs::rename(&self.0, place)?;
+        std::fs::rename(&self.0, place).map_err(|error| match error.kind() {
+            io::ErrorKind::DirectoryNotEmpty => io::Error::other(format!("{MEANWHILE}; nothing was written")),
+            _ => error,
+        })?;
         forget(&mut all, &self.0);
         self.0.clear();
         Ok(())

@@ -68,7 +68,8 @@ pub fn mark_of(place: &Path) -> Option<Mark> {
     Some((there.modified().ok()?, there.len()))
 }
 
-const MEANWHILE: &str = "another program has written it meanwhile";
+/// Why something is not put into its place.
+pub(super) const MEANWHILE: &str = "another program has written it meanwhile";
 
 /// Locks a directory until it is dropped, or until the process ends: of two who look at a place and then write it, one waits.
 /// `None` where directories cannot be locked, or where somebody holds the lock for long, such as `flock` around a command.
@@ -400,7 +401,9 @@ mod tests {
             let staged = Scratch::beside(&place).unwrap();
             std::fs::write(staged.path().join("a"), existing.to_string()).unwrap();
             assert_eq!(place.exists(), existing);
-            assert_eq!(staged.persist(&place).is_ok(), works);
+            let put = staged.persist(&place).map_err(|error| error.to_string());
+            let refused = format!("{MEANWHILE}; nothing was written");
+            assert_eq!(put, if works { Ok(()) } else { Err(refused) });
             assert_eq!(std::fs::read_to_string(place.join("a")).unwrap(), "false");
         }
         assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 1);
