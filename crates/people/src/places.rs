@@ -14,10 +14,12 @@ const MOST: usize = 5;
 
 /// Closed walls.
 struct Ground {
-    /// Those around ground.
+    /// Those that no other one holds.
     rooms: Vec<Ring>,
     /// Those within them that are obstacles: none where the drawing does not say what a wall within another one is.
     obstacles: Vec<Ring>,
+    /// Those around ground within obstacles.
+    islands: Vec<Ring>,
 }
 
 impl Ground {
@@ -30,12 +32,11 @@ impl Ground {
             };
             all.iter().enumerate().filter(holds).count()
         };
-        let mut ground = Ground { rooms: Vec::new(), obstacles: Vec::new() };
+        let mut ground = Ground { rooms: Vec::new(), obstacles: Vec::new(), islands: Vec::new() };
         for (k, ring) in all.iter().enumerate() {
             match depth(k) {
                 0 => ground.rooms.push(ring.clone()),
-                // Ground within an obstacle, and so on.
-                depth if plan.has_areas && depth % 2 == 0 => ground.rooms.push(ring.clone()),
+                depth if plan.has_areas && depth % 2 == 0 => ground.islands.push(ring.clone()),
                 _ if plan.has_areas => ground.obstacles.push(ring.clone()),
                 _ => {}
             }
@@ -44,7 +45,7 @@ impl Ground {
     }
 
     fn rings(&self) -> impl Iterator<Item = &Ring> {
-        self.rooms.iter().chain(&self.obstacles)
+        self.rooms.iter().chain(&self.obstacles).chain(&self.islands)
     }
 
     fn holds(&self, p: Vec2) -> bool {
@@ -101,9 +102,9 @@ pub fn inside(plan: &Plan, corners: &[Vec2]) -> Option<Vec<Vec2>> {
 /// Says which places lie outside all closed walls or in obstacles, and which areas do not touch the largest one.
 pub fn doubts(plan: &Plan) -> Vec<String> {
     let ground = Ground::of(plan);
-    let (rooms, outside) = (&ground.rooms, ground.outside());
+    let outside = ground.outside();
     let mut doubts = Vec::new();
-    if rooms.is_empty() {
+    if ground.rooms.is_empty() {
         return doubts;
     }
     let named = |what: &str, Place { name, corners }: &Place| {
@@ -153,11 +154,10 @@ pub fn doubts(plan: &Plan) -> Vec<String> {
             doubts.push(format!("{} lies outside the walls, which have no opening", named("exit", place)));
         }
     }
-    let largest = rooms.iter().map(Ring::area).fold(0.0, f64::max);
-    let others: Vec<&Ring> = rooms.iter().filter(|room| room.area() < largest).collect();
-    let equal = rooms.len() - others.len();
-    let apart = others.into_iter().chain(rooms.iter().filter(|room| room.area() == largest).take(equal - 1));
-    let apart: Vec<&Ring> = apart.collect();
+    let all = || ground.rooms.iter().chain(&ground.islands);
+    let largest = all().reduce(|a, b| if b.area() > a.area() { b } else { a });
+    let apart: Vec<&Ring> =
+        all().filter(|room| !largest.is_some_and(|own| std::ptr::eq(own, *room))).collect();
     for room in apart.iter().take(MOST) {
         let bounds = room.bounds();
         let ([x, y], [right, top]): ([f64; 2], [f64; 2]) = (bounds.low.into(), bounds.high.into());
@@ -241,7 +241,14 @@ mod tests {
         let ring = [[1.0, 1.0, 9.0, 2.0], [1.0, 8.0, 9.0, 9.0], [1.0, 1.0, 2.0, 9.0], [8.0, 1.0, 9.0, 9.0]];
         let mut hall = vec![hall];
         hall.extend(ring.map(|at| ("obstacles-ring", at)));
-        assert!(doubts(&plan(&hall))[0].starts_with("the area of 36.00 m² from (2.00, 2.00)"));
+        hall.push(("distributions-1", [3.0, 3.0, 7.0, 7.0]));
+        let island = plan(&hall);
+        assert_eq!(
+            inside(&island, &island.distributions[0].corners).unwrap(),
+            island.distributions[0].corners
+        );
+        let said = doubts(&island);
+        assert!(said.len() == 1 && said[0].starts_with("the area of 36.00 m² from (2.00, 2.00)"), "{said:?}");
         // All is well; an obstacle is no area apart.
         let well =
             plan(&[room, ("obstacles-0", [2.0, 2.0, 3.0, 3.0]), ("distributions-1", [0.0, 0.0, 8.0, 6.0])]);

@@ -9,6 +9,7 @@ use lemons_decision::rule::UNLIMITED;
 use lemons_decision::target::{Target, Ways};
 use lemons_decision::walking_model::WalkingModel;
 use lemons_people::is_closed;
+use std::collections::BTreeSet;
 
 /// \[m\] People whose ways are further apart than this do not meet.
 const BESIDE: f64 = 1.0;
@@ -70,6 +71,8 @@ pub fn flat_push(plan: &Plan) -> Option<&'static str> {
 
 /// \[m\] Walls keep the centre of everybody who walks so far away.
 const AT_A_WALL: f64 = 0.2;
+/// Pairs of a leg of a way and a piece of a wall that are looked at.
+const MOST_PAIRS: usize = 50_000_000;
 /// Points across an area that is an exit.
 const ACROSS: usize = 24;
 
@@ -84,7 +87,7 @@ fn crosses(walls: &[Vec<Vec2>], from: Vec2, to: Vec2) -> bool {
     walls.iter().flat_map(|wall| wall.windows(2)).any(|ends| segments_cross(from, to, ends[0], ends[1]))
 }
 
-/// \[m\]
+/// \[m\] Returns the distance to the nearest wall.
 fn far(walls: &[Vec<Vec2>], p: Vec2) -> f64 {
     walls.iter().map(|wall| nearest_on_line(wall, p).distance).fold(f64::INFINITY, f64::min)
 }
@@ -100,11 +103,11 @@ fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
     };
     let closed: Vec<Ring> =
         walls.iter().filter(|wall| is_closed(wall)).filter_map(|wall| Ring::through(wall.clone())).collect();
-    let first = plan.agents.first().map(|agent| vec2(agent.pose.x, agent.pose.y));
-    // Within the same closed walls as people.
-    let is_with = |p: Vec2| {
-        first.is_none_or(|first| closed.iter().all(|wall| wall.contains(first) == wall.contains(p)))
-    };
+    let held = |p: Vec2| closed.iter().map(|wall| wall.contains(p)).collect::<Vec<bool>>();
+    let people = plan.agents.iter().take(MOST).map(|agent| held(vec2(agent.pose.x, agent.pose.y)));
+    let people: BTreeSet<Vec<bool>> = people.collect();
+    // Within the same closed walls as somebody.
+    let is_with = |p: Vec2| people.contains(&held(p));
     let is_area_hidden = |corners: &[Vec2]| {
         let Some(area) = Ring::through(corners.to_vec()) else { return false };
         let Bounds { low, high } = area.bounds();
@@ -156,13 +159,17 @@ fn ways_through_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Option<String> {
             crosses(walls, leg[0], end).then_some(leg)
         })
     };
-    let looked_at = plan.agents.iter().step_by(plan.agents.len().div_ceil(MOST).max(1));
+    let legs: usize = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).sum();
+    let pairs = legs.saturating_mul(walls.iter().map(Vec::len).sum());
+    let every = plan.agents.len().div_ceil(MOST).max(pairs.div_ceil(MOST_PAIRS)).max(1);
+    let looked_at = plan.agents.iter().step_by(every);
     let found: Vec<(&str, [Vec2; 2])> =
         looked_at.filter_map(|agent| Some((&agent.id[..], leg(agent)?))).collect();
     let (first, [from, to]) = found.first()?;
     let others = match found.len() - 1 {
         0 => String::new(),
-        others => format!(" (as ways of {others} more do)"),
+        others if every == 1 => format!(" (as ways of {others} more do)"),
+        _ => " (as ways of others do)".to_owned(),
     };
     Some(format!(
         "the way of agent {first:?} from ({:.2}, {:.2}) to ({:.2}, {:.2}) m crosses a wall{others}: ways to way-points are \
