@@ -1100,7 +1100,6 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["its area is # m²", "seine Fläche ist # m²", "son aire est de # m²"],
     ["at least # m² is needed", "mindestens # m² sind nötig", "il faut au moins # m²"],
     ["the region where people are placed", "der Bereich, in dem Personen aufgestellt werden", "la région où les personnes sont placées"],
-    ["the region where people are placed goes over a wall", "der Bereich, in dem Personen aufgestellt werden, geht über eine Wand", "la région où les personnes sont placées passe sur un mur"],
     ["somebody would stand in it", "jemand stünde darin", "quelqu'un serait dedans"],
     ["person # would overlap somebody by # mm", "Person # würde jemanden um # mm überlappen", "la personne # recouvrirait quelqu'un de # mm"],
     ["person # would overlap a wall or somebody by # mm", "Person # würde eine Wand oder jemanden um # mm überlappen", "la personne # recouvrirait un mur ou quelqu'un de # mm"],

@@ -131,7 +131,6 @@ MESSAGES = [
     ("{} shapes cover {covered:.3} m², but the region has {room:.3} m²: it cannot hold them without overlap", [40, "3.412", "2.000"]),
     ("the grid of {along:.3} m × {across:.3} m has {places} places in the region; {shapes} shapes are given", ["0.500", "0.300", 12, 40]),
     ("no walls: nothing bounds the region", []),
-    ("{REGION} goes over a wall: somebody would stand in it", ["the region where people are placed"]),
     ("there is nobody with the Id {id:?}", ['"left"']),
     ("nobody would be left", []),
     ("{} changes by hand: at most {MOST}", [1001, 1000]),

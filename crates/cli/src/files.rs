@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 /// Names of options that name an output, and of the operand OUT. Every other path is an input.
-const OUTPUTS: [&str; 19] = [
+const OUTPUTS: [&str; 20] = [
     "output",
     "outputs",
     "state",
@@ -42,6 +42,7 @@ const OUTPUTS: [&str; 19] = [
     "csv",
     "summary",
     "plot",
+    "save_scenario",
 ];
 const OUTPUT_OPERAND: &str = "out";
 

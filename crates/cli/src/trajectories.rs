@@ -4,7 +4,6 @@
 use crate::error::Misused;
 use crate::export::trial_of;
 use crate::numbers::{positive, within};
-use crate::people::room::MATERIAL;
 use anyhow::{Context, Result, bail};
 use lemons_core::files::input;
 use lemons_core::plane::Vec2;
@@ -13,6 +12,7 @@ use lemons_master::TrialInput;
 use lemons_people::PeopleError;
 use lemons_people::drawing::{Drawing, Format, LARGEST_DRAWING, Plan, PlanSettings, Reading};
 use lemons_results::{READ, Record, Told, VELOCITY_OVER, holds_trajectories};
+use lemons_scenario::WALLS;
 use std::path::{Path, PathBuf};
 
 /// \[m\] Radius of a body that is not known: that of an agent of `JuPedSim`'s models, if nothing else is said there.
@@ -74,7 +74,7 @@ impl ReadingArguments {
     /// Returns a Trial with the walls and, for each person, a body of one disk: nobody knows more.
     pub fn assumed_trial(&self, record: &Record, radius: f64) -> Result<Trial> {
         let geometry = self.walls(record)?;
-        let shape = Shape { radius, material_id: MATERIAL.into(), position: Vec2::zeros() };
+        let shape = Shape { radius, material_id: WALLS.into(), position: Vec2::zeros() };
         let agent = |id: &String| Agent { id: id.clone(), shapes: vec![shape.clone()], ..Agent::default() };
         Ok(Trial {
             name: record.source().display().to_string(),
@@ -103,7 +103,7 @@ impl ReadingArguments {
                 note!("{source}: its geometry changes: the first of {} is taken (--geometry)", all.len());
             }
             let plan = plan(Format::Wkt, wkt.as_bytes());
-            return Ok(plan.with_context(|| format!("{source}: geometry"))?.geometry(MATERIAL));
+            return Ok(plan.with_context(|| format!("{source}: geometry"))?.geometry(WALLS));
         };
         let named = || format!("--geometry {}", path.display());
         let model = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu"));
@@ -115,7 +115,7 @@ impl ReadingArguments {
             format!("{}: is neither a drawing (.wkt, .geojson, .dxf, .svg) nor a Trial or an FMU", named())
         })?;
         let bytes = input::read(path, LARGEST_DRAWING).with_context(named)?;
-        Ok(plan(format, &bytes).with_context(named)?.geometry(MATERIAL))
+        Ok(plan(format, &bytes).with_context(named)?.geometry(WALLS))
     }
 }
 

@@ -12,6 +12,8 @@
 //! desired_speed = 0.9
 //! ```
 
+mod write;
+
 use crate::balance::{Balance, Pendulum, TwoLevel};
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
@@ -44,6 +46,18 @@ pub enum WalkingModelName {
     Rotational,
 }
 
+impl WalkingModelName {
+    /// Returns its word in a `decision.toml`.
+    pub fn name(self) -> &'static str {
+        match self {
+            WalkingModelName::Straight => "straight",
+            WalkingModelName::CollisionFreeSpeed => "collision-free-speed",
+            WalkingModelName::SocialForce => "social-force",
+            WalkingModelName::Rotational => "rotational",
+        }
+    }
+}
+
 /// How people who stand keep their balance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -57,56 +71,97 @@ pub enum BalanceName {
     TwoLevel,
 }
 
+impl BalanceName {
+    /// Returns its word in a `decision.toml`.
+    pub fn name(self) -> &'static str {
+        match self {
+            BalanceName::None => "none",
+            BalanceName::Pendulum => "pendulum",
+            BalanceName::TwoLevel => "two-level",
+        }
+    }
+}
+
 /// A user's settings for the FMU.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DecisionConfig {
-    pub(crate) model: Option<WalkingModelName>,
-    pub(crate) balance: Option<BalanceName>,
-    pub(crate) desired_speed: Option<Spread>,
-    pub(crate) start: Option<Spread>,
-    pub(crate) push: Option<f64>,
-    pub(crate) push_sd: Option<f64>,
-    pub(crate) seed: Option<u64>,
-    pub(crate) waypoints: Option<Vec<Waypoint>>,
-    pub(crate) ways: Option<Vec<WayConfig>>,
-    pub(crate) exits: Option<Vec<TargetConfig>>,
-    pub(crate) exit_choice: Option<ExitChoice>,
-    pub(crate) goals: Option<Vec<TargetConfig>>,
+    /// How people walk among others; [`WalkingModelName::Straight`] if it is not said.
+    pub model: Option<WalkingModelName>,
+    /// How people who stand keep their balance.
+    pub balance: Option<BalanceName>,
+    /// \[m/s\] Desired speed.
+    pub desired_speed: Option<Spread>,
+    /// \[N\] Greatest force with which people push ahead, or its mean.
+    pub push: Option<f64>,
+    /// \[N\] Standard deviation of this force.
+    pub push_sd: Option<f64>,
+    /// What is drawn is drawn with it.
+    pub seed: Option<u64>,
+    /// \[s\] When people start to walk.
+    pub start: Option<Spread>,
+    /// Who stays together.
+    pub groups: Option<GroupsConfig>,
+    /// Everybody's way.
+    pub waypoints: Option<Vec<Waypoint>>,
+    /// Ways with shares.
+    pub ways: Option<Vec<WayConfig>>,
+    /// How people choose among several exits.
+    pub exit_choice: Option<ExitChoice>,
+    /// Where people leave.
+    pub exits: Option<Vec<TargetConfig>>,
+    /// Where people stay.
+    pub goals: Option<Vec<TargetConfig>>,
+    /// Changes during a run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(crate) motivation: Vec<Motivation>,
-    pub(crate) groups: Option<GroupsConfig>,
+    pub motivation: Vec<Motivation>,
+    /// Constants of the collision-free-speed model.
     #[serde(rename = "collision-free-speed")]
-    pub(crate) collision_free_speed: Option<CollisionFreeSpeed>,
+    pub collision_free_speed: Option<CollisionFreeSpeed>,
+    /// Constants of the social-force model.
     #[serde(rename = "social-force")]
-    pub(crate) social_force: Option<SocialForce>,
-    pub(crate) rotational: Option<Rotational>,
-    pub(crate) pendulum: Option<Pendulum>,
+    pub social_force: Option<SocialForce>,
+    /// Constants of the rotational model.
+    pub rotational: Option<Rotational>,
+    /// Constants of legs as a pendulum.
+    pub pendulum: Option<Pendulum>,
+    /// Constants of legs of two levels.
     #[serde(rename = "two-level")]
-    pub(crate) two_level: Option<TwoLevel>,
+    pub two_level: Option<TwoLevel>,
+    /// Settings of agents, by their Ids.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub(crate) agents: BTreeMap<String, AgentConfig>,
+    pub agents: BTreeMap<String, AgentConfig>,
 }
 
 /// Settings of one agent; missing ones are those of all agents.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct AgentConfig {
+pub struct AgentConfig {
+    /// \[m/s\]
     pub desired_speed: Option<f64>,
+    /// \[s\]
     pub start: Option<f64>,
+    /// \[s\]
     pub time_gap: Option<f64>,
+    /// \[m\]
     pub standstill_gap: Option<f64>,
+    /// \[s\]
     pub reaction_time: Option<f64>,
+    /// \[N\]
     pub push: Option<f64>,
+    /// Its way.
     pub waypoints: Option<Vec<Waypoint>>,
+    /// Name of its exit.
     pub exit: Option<String>,
+    /// Name of its goal.
     pub goal: Option<String>,
 }
 
 /// One of several ways, and how many people take it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct WayConfig {
+pub struct WayConfig {
+    /// In this order.
     pub waypoints: Vec<Waypoint>,
     /// Part of the people who take it; the same for all ways if it is not said.
     pub share: Option<f64>,
@@ -115,7 +170,7 @@ pub(crate) struct WayConfig {
 /// Groups of people who stay together.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct GroupsConfig {
+pub struct GroupsConfig {
     /// Ids of the members of each group.
     pub members: Option<Vec<Vec<String>>>,
     /// Part of the people who are in drawn groups.
@@ -127,7 +182,8 @@ pub(crate) struct GroupsConfig {
 /// An exit, where people leave, or a goal, where they stay.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct TargetConfig {
+pub struct TargetConfig {
+    /// As others name it.
     pub name: Option<String>,
     /// \[m\] Ends of a line.
     #[serde(default, deserialize_with = "ends")]
@@ -180,12 +236,12 @@ impl DecisionConfig {
         toml::from_str(text).map_err(|error| PlanError::Toml(explained(&error)))
     }
 
-    /// Returns TOML. Every number is read back as the same double.
+    /// Returns the text of a `decision.toml`, with units. Every number is read back as the same double.
     ///
     /// # Errors
     /// The settings cannot be written.
     pub fn to_toml(&self) -> Result<String, PlanError> {
-        toml::to_string(self).map_err(|error| PlanError::Toml(error.to_string()))
+        write::text(self).map_err(|error| PlanError::Toml(error.to_string()))
     }
 
     /// Returns the same without settings of those who are not among these people; `None` if there are none of others.

@@ -46,7 +46,10 @@ pub mod stuck;
 pub mod target;
 pub mod walking_model;
 
-pub use config::{BalanceName, DECISION_FILE, DecisionConfig, WalkingModelName};
+pub use config::{
+    AgentConfig, BalanceName, DECISION_FILE, DecisionConfig, GroupsConfig, TargetConfig, WalkingModelName,
+    WayConfig,
+};
 pub use decision::Decision;
 pub use error::PlanError;
 pub use person::Person;

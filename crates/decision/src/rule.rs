@@ -22,6 +22,9 @@ pub struct Waypoint {
     pub wait: f64,
 }
 
+/// \[m\] Radius of a way-point if it is not said.
+pub const WAYPOINT_RADIUS: f64 = 0.3;
+
 impl Waypoint {
     fn contains(&self, pose: Pose) -> bool {
         libm::hypot(self.x - pose.x, self.y - pose.y) <= self.radius
@@ -35,7 +38,7 @@ impl Waypoint {
 
 /// \[m\] Radius of a way-point that gives none.
 fn usual_radius() -> f64 {
-    0.3
+    WAYPOINT_RADIUS
 }
 
 /// \[m\] Stature of somebody of whom it is not known.

@@ -3,7 +3,7 @@
 use crate::edit::{self, Edit};
 use crate::{Refused, crowd, upload};
 use lemons_core::trial::{DriveTable, Trial};
-use lemons_decision::Plan;
+use lemons_decision::{DecisionConfig, Plan};
 use lemons_people::Agent;
 use lemons_people::placing::Watch;
 use serde::Deserialize;
@@ -56,6 +56,31 @@ impl Driven {
         let (drive, wishes) = (String::new(), String::new());
         Driven { trial, people, drive, table: DriveTable::default(), wishes, plan: None }
     }
+
+    /// Reads its texts.
+    ///
+    /// # Errors
+    /// One has errors, or does not fit to the Trial.
+    pub fn read(self) -> Result<Driven, Refused> {
+        let config =
+            (!self.wishes.is_empty()).then(|| DecisionConfig::from_toml(&self.wishes)).transpose()?;
+        let wishes = self.wishes.clone();
+        Ok(Driven { wishes, ..self.decided(config)? })
+    }
+
+    /// Takes settings of Decision, and reads the text of the drive.
+    ///
+    /// # Errors
+    /// They do not fit to the Trial, or the drive has errors.
+    pub fn decided(self, config: Option<DecisionConfig>) -> Result<Driven, Refused> {
+        let table = match self.drive.as_str() {
+            "" => DriveTable::default(),
+            text => DriveTable::from_csv(text.as_bytes())?,
+        };
+        let plan = config.as_ref().map(|config| Plan::of(&self.trial, config)).transpose()?;
+        let wishes = config.as_ref().map(DecisionConfig::to_toml).transpose()?.unwrap_or_default();
+        Ok(Driven { table, plan, wishes, ..self })
+    }
 }
 
 impl Base {
@@ -68,7 +93,11 @@ impl Base {
             Base::Example { name } => upload::example(name),
             Base::Crowd(wanted) => crowd::crowd(wanted, bytes, watch),
             Base::Upload { name, files } => {
-                upload::open(name, &split(files, bytes)?, upload::LARGEST_CONTENT)
+                let files = split(files, bytes)?;
+                match upload::scenario(name, &files)? {
+                    Some((path, files)) => crowd::of_file(&path, &files, watch),
+                    None => upload::open(name, &files, upload::LARGEST_CONTENT),
+                }
             }
         }
     }

@@ -1,7 +1,6 @@
 //! Changes by hand: people are moved, copied, put there, taken away; the walls of a Trial are others.
 
 use crate::base::{Base, Driven};
-use crate::crowd;
 use crate::frame::overlapping;
 use crate::person::PersonRequest;
 use crate::{Refused, require, room, within};
@@ -157,7 +156,7 @@ fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, Agent
     let (first, drive) = first.ok_or_else(|| Refused("nobody would be left".into()))?;
     let mut shape = Shape::of(person)?;
     if round {
-        shape = crowd::round(&shape);
+        shape = lemons_scenario::round(&shape);
     }
     let materials = trial.agents.iter().flat_map(|agent| &agent.shapes).map(|disk| &disk.material_id);
     let own = materials.clone().find(|id| !PART_MATERIALS.contains(&&***id));

@@ -3,11 +3,11 @@
 
 use crate::base::Driven;
 use crate::{Refused, require, within};
-use lemons_core::plane::{Vec2, vec2};
-use lemons_core::trial::{DRIVE_FILE, DriveTable, Pulse, Trial, drive_of_pulses};
+use lemons_core::plane::Vec2;
+use lemons_core::trial::{DRIVE_FILE, Trial};
 use lemons_decision::rule::Waypoint;
-use lemons_decision::{BalanceName, DecisionConfig, Person, Plan, plan};
-use lemons_people::heading;
+use lemons_decision::{BalanceName, DecisionConfig, Person, plan};
+use lemons_scenario::Push;
 use serde::Deserialize;
 
 /// The drive of people.
@@ -41,24 +41,6 @@ pub enum Motion {
     Go { wishes: Box<DecisionConfig> },
 }
 
-/// A pulse on all whose centres lie in a circle at the start.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Push {
-    /// \[m\] Middle of the circle.
-    pub at: [f64; 2],
-    /// \[m\]
-    pub radius: f64,
-    /// \[°\]
-    pub direction: f64,
-    /// \[N\] Greatest force on each.
-    pub force: f64,
-    /// \[s\]
-    pub start: f64,
-    /// \[s\]
-    pub duration: f64,
-}
-
 /// Replaces what drives the people.
 ///
 /// # Errors
@@ -70,33 +52,26 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
             (here.fp, here.mp) = (Vec2::zeros(), 0.0);
         }
     }
-    match motion {
-        Motion::Own {} => forget_deleted(&mut driven)?,
-        Motion::None {} => {}
+    let config = match motion {
+        Motion::Own {} => {
+            forget_deleted(&mut driven)?;
+            return driven.read();
+        }
+        Motion::None {} => None,
         Motion::Push { pushes, balance } => {
-            driven.drive = drive(&driven.trial, pushes)?;
-            if *balance != BalanceName::None {
-                driven.wishes = DecisionConfig::standing(*balance).to_toml()?;
-            }
+            driven.drive = lemons_scenario::drive(&driven.trial, pushes)?;
+            (*balance != BalanceName::None).then(|| DecisionConfig::standing(*balance))
         }
         Motion::Walk { speed, ways, shares, seed } => {
             let shares = shares.as_deref().map(|shares| (shares, *seed));
-            driven.wishes =
-                wishes(&driven.trial, *speed, ways, shares)?.with_speeds(own_speeds(&driven)).to_toml()?;
+            Some(wishes(&driven.trial, *speed, ways, shares)?.with_speeds(own_speeds(&driven)))
         }
         Motion::Go { wishes } => {
             let wishes = wishes.as_ref().clone().with_speeds(own_speeds(&driven));
-            driven.wishes = plan::normalized(&driven.trial, &wishes).and_then(|all| all.to_toml())?;
+            Some(plan::normalized(&driven.trial, &wishes)?)
         }
-    }
-    let Driven { trial, drive, wishes, .. } = &driven;
-    let table = match drive.as_str() {
-        "" => DriveTable::default(),
-        text => DriveTable::from_csv(text.as_bytes())?,
     };
-    let plan = (!wishes.is_empty()).then(|| Plan::of(trial, &DecisionConfig::from_toml(wishes)?));
-    let plan = plan.transpose()?;
-    Ok(Driven { table, plan, ..driven })
+    driven.decided(config)
 }
 
 /// Tells that rows of a drive file between communication points have no effect.
@@ -119,29 +94,9 @@ fn forget_deleted(driven: &mut Driven) -> Result<(), Refused> {
     Ok(())
 }
 
-impl Push {
-    fn pulse(&self) -> Result<Pulse, Refused> {
-        let radius = within("radius of a push [m]", self.radius, [0.01, 1000.0])?;
-        let force = within("force of a push [N]", self.force, [0.0, 1e5])?;
-        let direction = within("direction of a push [°]", self.direction, [-360.0, 360.0])?;
-        let start = within("start of a push [s]", self.start, [0.0, 1e4])?;
-        let duration = within("duration of a push [s]", self.duration, [0.01, 1e4])?;
-        let [x, y] = self.at;
-        Ok(Pulse { at: vec2(x, y), radius, force: heading(direction) * force, start, duration })
-    }
-}
-
-/// The drive of the pushes.
-fn drive(trial: &Trial, pushes: &[Push]) -> Result<String, Refused> {
-    let pulses = pushes.iter().map(Push::pulse).collect::<Result<Vec<_>, _>>()?;
-    drive_of_pulses(trial, &pulses)
-        .map_err(|lost| Refused(format!("push {}: nobody stands in its circle", lost + 1)))
-}
-
-/// Ids and desired speeds \[m/s\] of those who are of a kind, as `lemons crowd --leave` writes them.
+/// As [`lemons_scenario::own_speeds`], if people are known.
 fn own_speeds(of: &Driven) -> Vec<(String, f64)> {
-    let people = of.people.iter().flatten().zip(&of.trial.agents);
-    people.filter_map(|(agent, body)| Some((body.id.clone(), agent.member()?.speed))).collect()
+    of.people.as_ref().map_or_else(Vec::new, |people| lemons_scenario::own_speeds(people, &of.trial))
 }
 
 /// decision.toml: the ways of everybody; with shares and their seed, if there are some.

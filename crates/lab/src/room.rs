@@ -10,7 +10,6 @@ use lemons_people::drawing::{
     Drawing, Enclosing, Format, Gap, LARGEST_DRAWING, Layer, Leads, Place, Plan, PlanSettings, Proposal,
     Read, Reading, sizes,
 };
-use lemons_people::placing::Region;
 use lemons_people::room::{Edit, Room};
 use lemons_people::{Door, PeopleError, is_closed, nearest_wall};
 use serde::Deserialize;
@@ -22,8 +21,6 @@ use std::path::Path;
 const MOST_CORNERS: usize = 5000;
 /// The material of walls.
 const CONCRETE: &str = "concrete";
-/// In messages.
-pub const REGION: &str = "the region where people are placed";
 /// \[m\] Largest coordinate of a room that is drawn.
 const REACH: f64 = 1000.0;
 
@@ -89,23 +86,14 @@ fn check_room(room: &Room, reach: f64) -> Result<(), Refused> {
     check(corners(), reach)
 }
 
-/// Returns the room's inside, and its walls with doors.
+/// Checks a room that is drawn, and the corners of the region where people are placed.
 ///
 /// # Errors
-/// It is too large, walls cross, an obstacle is not inside, or a door is not at a wall.
-pub fn built(room: &Room) -> Result<(Region, Geometry), Refused> {
+/// There are too many corners, or one is too far.
+pub fn check_drawn(room: &Room, region: Option<&[[f64; 2]]>) -> Result<(), Refused> {
     check_room(room, REACH)?;
-    Ok(room.built(CONCRETE)?)
-}
-
-/// Returns a part of a room: where people are placed.
-///
-/// # Errors
-/// Its sides cross, or it goes beyond the room.
-pub fn part(room: &Room, whole: &Region, corners: &[[f64; 2]]) -> Result<Region, Refused> {
-    let corners: Vec<Vec2> = corners.iter().copied().map(Vec2::from).collect();
-    check(&corners, REACH)?;
-    room.part(whole, &corners).map_err(|error| Refused(format!("{REGION}: {error}")))
+    let corners: Vec<Vec2> = region.into_iter().flatten().copied().map(Vec2::from).collect();
+    check(&corners, REACH)
 }
 
 /// Returns the walls that a room has in place of a Trial's. New ones are of the material of its first wall, else of one that

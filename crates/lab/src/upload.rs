@@ -51,6 +51,43 @@ pub fn example(name: &str) -> Result<Basis, Refused> {
     read(&files, Path::new(name), Vec::new())
 }
 
+/// Extension of scenarios.
+const SCENARIO: &str = "toml";
+
+/// Returns the path of the only scenario of an upload, and all its files; `None` if it is a Trial, or there is none.
+///
+/// # Errors
+/// It is too large, or a name leads out of it.
+pub fn scenario(name: &str, files: &[(&str, &[u8])]) -> Result<Option<(PathBuf, Memory)>, Refused> {
+    let is_scenario = |path: &Path| {
+        path.extension().is_some_and(|extension| extension == SCENARIO) && !path.ends_with(DECISION_FILE)
+    };
+    let is_trial =
+        |(path, _): &(&str, _)| ["Agents.xml", "Parameters.xml"].iter().any(|file| path.ends_with(file));
+    if files.iter().any(is_trial) {
+        return Ok(None);
+    }
+    let mut found = files.iter().map(|(path, _)| Path::new(path)).filter(|path| is_scenario(path));
+    let (Some(path), None) = (found.next(), found.next()) else { return Ok(None) };
+    check(files).map_err(|why| Refused(format!("{name}: {why}")))?;
+    let mut memory = Memory::default();
+    files.iter().for_each(|(path, file)| memory.put(Path::new(path), file.to_vec()));
+    Ok(Some((path.to_owned(), memory)))
+}
+
+/// Checks size, number and names of files.
+fn check(files: &[(&str, &[u8])]) -> Result<(), String> {
+    if files.iter().map(|(_, file)| file.len()).sum::<usize>() > LARGEST_UPLOAD {
+        return Err(format!("it has more than {} MB", LARGEST_UPLOAD / 1_000_000));
+    }
+    few(files.len())?;
+    let within = |path: &&str| Path::new(path).components().all(|part| matches!(part, Component::Normal(_)));
+    match files.iter().map(|(path, _)| path).find(|path| !within(path)) {
+        Some(path) => Err(format!("the name {path:?} leads out of it")),
+        None => Ok(()),
+    }
+}
+
 /// The files of an upload that the lab reads, and the paths of the others.
 #[derive(Default)]
 struct Content {
@@ -118,18 +155,14 @@ pub fn open(name: &str, files: &[(&str, &[u8])], largest: u64) -> Result<Basis, 
 
 /// Returns the files in a zip, or those of a folder.
 fn content(files: &[(&str, &[u8])], largest: u64) -> Result<Content, String> {
-    if files.iter().map(|(_, file)| file.len()).sum::<usize>() > LARGEST_UPLOAD {
-        return Err(format!("it has more than {} MB", LARGEST_UPLOAD / 1_000_000));
-    }
-    match files {
-        [(path, zip)] if !path.ends_with(".xml") => return unzip(zip, largest),
-        _ => few(files.len())?,
+    check(files)?;
+    if let [(path, zip)] = files
+        && !path.ends_with(".xml")
+    {
+        return unzip(zip, largest);
     }
     let mut content = Content::default();
     for (path, file) in files {
-        if !Path::new(path).components().all(|part| matches!(part, Component::Normal(_))) {
-            return Err(format!("the name {path:?} leads out of it"));
-        }
         content.take(Path::new(path), || Ok(file.to_vec()))?;
     }
     Ok(content)

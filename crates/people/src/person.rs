@@ -6,10 +6,10 @@ use crate::shape::bounds;
 use crate::trial::PART_MATERIALS;
 use lemons_core::plane::{Disk, vec2};
 use lemons_core::trial::Agent;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Sex, which selects the statistics.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sex {
     /// A man.

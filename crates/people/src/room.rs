@@ -181,41 +181,38 @@ impl Room {
     /// # Errors
     /// Walls cross, an obstacle is not inside, or a door is not at a wall. Further walls may cross.
     pub fn built(&self, material: &str) -> Result<(Region, Geometry)> {
-        let inside = Region::polygon(&self.outline, &self.obstacles)
-            .map_err(|error| PeopleError::new(format!("the room: {error} (the holes are obstacles)")))?;
-        let geometry = self.uncut(&inside, material)?;
-        let whole = if self.walls.is_empty() {
-            inside
-        } else {
-            Region::free_space(&self.outline, &geometry, &[])?.region
-        };
-        let mut geometry = cut_doors_in_all(geometry, &self.doors)?;
-        for (id, wall) in geometry.walls.iter_mut().enumerate() {
-            wall.id = id.to_string();
-        }
-        Ok((whole, geometry))
+        let (whole, geometry) = self.uncut(material)?;
+        Ok((whole, self.with_doors(geometry)?))
     }
 
-    /// The walls without doors.
-    fn uncut(&self, inside: &Region, material: &str) -> Result<Geometry> {
+    /// Returns its inside, and its walls without doors, of a material.
+    ///
+    /// # Errors
+    /// Walls cross, or an obstacle is not inside. Further walls may cross.
+    pub fn uncut(&self, material: &str) -> Result<(Region, Geometry)> {
+        let inside = Region::polygon(&self.outline, &self.obstacles)
+            .map_err(|error| PeopleError::new(format!("the room: {error} (the holes are obstacles)")))?;
         let mut geometry = walls(inside.rings(), material);
         for Further { corners, .. } in &self.walls {
             let id = geometry.walls.len().to_string();
             geometry.walls.push(Wall { corners: checked(corners)?, ..wall(id, material) });
         }
-        Ok(geometry)
+        if self.walls.is_empty() {
+            return Ok((inside, geometry));
+        }
+        Ok((Region::free_space(&self.outline, &geometry, &[])?.region, geometry))
     }
 
-    /// Returns the part of its inside within a polygon \[m\]; `whole` is what [`Room::built`] returned.
+    /// Cuts the doors into walls that [`uncut`](Room::uncut) returned. Ids are places in the list.
     ///
     /// # Errors
-    /// Sides of the polygon cross, it goes beyond the room, or nothing is left of it.
-    pub fn part(&self, whole: &Region, polygon: &[Vec2]) -> Result<Region> {
-        if self.walls.is_empty() {
-            return whole.part(polygon);
+    /// A door is not at a wall.
+    pub fn with_doors(&self, uncut: Geometry) -> Result<Geometry> {
+        let mut geometry = cut_doors_in_all(uncut, &self.doors)?;
+        for (id, wall) in geometry.walls.iter_mut().enumerate() {
+            wall.id = id.to_string();
         }
-        let inside = Region::polygon(&self.outline, &self.obstacles)?;
-        Ok(Region::free_space(polygon, &self.uncut(&inside, "")?, &[])?.region)
+        Ok(geometry)
     }
 
     /// Returns the walls of a Trial that this room takes the place of. Walls that were there before keep Id and material,
@@ -444,7 +441,8 @@ mod tests {
         // The outline, and the wall in two pieces.
         assert_eq!(geometry.walls.len(), 3);
         let left = corners([[0.0, 0.0], [2.5, 0.0], [2.5, 3.0], [0.0, 3.0]]);
-        let part = room.part(&parted, &left).unwrap();
+        let (_, uncut) = room.uncut("concrete").unwrap();
+        let part = Region::free_space(&left, &uncut, &[]).unwrap().region;
         assert_eq!((part.area(), part.depth(vec2(1.5, 1.5))), (7.5, 0.5));
     }
 

@@ -87,6 +87,7 @@ struct Document {
     trial: Option<String>,
     fmu: Option<String>,
     population: Option<Population>,
+    scenario: Option<PathBuf>,
     until: End,
     stop: Option<Stop>,
     step: Option<f64>,
@@ -138,12 +139,21 @@ impl Spec {
         let document: Document = toml::from_str(text)?;
         let mut identity: Map<String, Value> = toml::from_str(text)?;
         identity.retain(|key, _| !ELSEWHERE.contains(&key.as_str()));
-        let population = document.population;
+        let mut inputs = Vec::new();
+        let population = match (document.population, document.scenario) {
+            (given, None) => given.map(|given| given.within(directory)),
+            (None, Some(path)) => {
+                inputs.push(directory.join(path));
+                Some(Population::read(&inputs[0]).place(|| "scenario".into())?)
+            }
+            (Some(_), Some(_)) => return Err("scenario: is another [population]: give one of them".into()),
+        };
+        inputs.extend(population.iter().flat_map(Population::files));
         let (key, model) = match (document.trial, document.fmu, &population) {
             (Some(path), None, None) => ("trial", path),
             (None, Some(path), None) => ("fmu", path),
             (None, None, Some(_)) => ("population", String::new()),
-            _ => return Err("give one of the keys trial and fmu, or [population]".into()),
+            _ => return Err("give one of the keys trial, fmu and scenario, or [population]".into()),
         };
         for (name, given) in [("plan", document.plan.is_some()), ("drive", document.drive.is_some())] {
             ensure(!given || population.is_none(), || format!("{name}: is not for a [population]"))?;
@@ -157,7 +167,6 @@ impl Spec {
             let positive = value.is_none_or(|value| value > 0.0 && value.is_finite());
             ensure(positive, || format!("{key}: must be a positive number of seconds"))?;
         }
-        let mut inputs = Vec::new();
         let points = match (document.parameters, document.table) {
             (Some(axes), None) => {
                 let mut all = Vec::new();
@@ -169,8 +178,9 @@ impl Spec {
                 Points::grid(all).place(|| "parameters".into())?
             }
             (None, Some(table)) => {
-                inputs.push(directory.join(table));
-                Points::read(&inputs[0])?
+                let table = directory.join(table);
+                inputs.push(table.clone());
+                Points::read(&table)?
             }
             _ => return Err("give one of [parameters] and table".into()),
         };
@@ -344,7 +354,7 @@ mod tests {
         let (zero, none, friction) = (flow("0"), flow("'Mass'"), flow("'contact.a.a.KineticFriction'"));
         // What replaces a part of the good text, and what is said.
         for (part, to, expected) in [
-            ("trial = \"push\"", "", "trial and fmu"),
+            ("trial = \"push\"", "", "trial, fmu and scenario"),
             ("trial = \"push\"", "fmu = \"push.fmu\"\nplan = false", "plan: is for a trial"),
             ("\"push\"", "\"push_{seed}\"", "trial: push_{seed}: there is no parameter \"seed\""),
             ("drive = false", "plan = 5", "plan"),

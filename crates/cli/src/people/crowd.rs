@@ -3,16 +3,16 @@
 use super::bodies;
 use super::leave::LeaveArguments;
 use super::outputs::{Outputs, of_crowd, say};
-use super::placing::PlacingArguments;
+use super::placing::{PlacingArguments, manner, placed, say_drawn};
 use super::regions::{REGION_HELP, described};
-use super::room::marks;
+use super::room::{explained, marks};
 use super::source::{CUSTOM_HELP, SourceArguments};
 use super::{line, read};
 use crate::binary::CROWD;
 use crate::check::walking::out_of_reach;
-use crate::error::{Misused, and_then};
+use crate::error::{Misused, TrialHasErrors, and_then};
 use crate::files;
-use crate::interrupt::Interrupt;
+use crate::interrupt::{Interrupt, Interrupted};
 use crate::numbers::within;
 use crate::pack::{Fmi, FmuArguments, write_fmu};
 use crate::print;
@@ -20,15 +20,16 @@ use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::pack::Binary;
 use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
-use lemons_core::files::source::Memory;
+use lemons_core::files::source::{Disk, Memory};
 use lemons_core::plane::Pose;
-use lemons_core::trial::{FileNames, Trial};
-use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
+use lemons_core::trial::{DRIVE_FILE, FileNames, Trial};
+use lemons_decision::{DECISION_FILE, DecisionConfig};
 use lemons_master::TrialInput;
 use lemons_people::{
-    Agent, Body3d, CrowdStatistics, SKINS, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings, crowd_csv,
-    crowd_trial, heading, light_xml, may_write, write_trial, write_trial_zip,
+    Agent, Body3d, CrowdStatistics, SKINS, Shape, TORSO_ALTITUDE, TRIAL_FILES, crowd_csv, light_xml,
+    may_write, write_trial, write_trial_zip,
 };
+use lemons_scenario::{Crowd, OrientationName, Scenario, ScenarioError, named};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -43,9 +44,11 @@ pub struct Arguments {
     /// hull of the crowd (default there: as dense as possible)
     #[arg(short, long, value_name = "PER_M2", value_parser = within(1e-6, 100.0, " (per m²)"))]
     density: Option<f64>,
-    /// Seed of the random numbers. The same seed gives the same crowd on every machine
-    #[arg(short, long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    /// Seed of the random numbers. The same seed gives the same crowd on every machine. Default: 1
+    #[arg(short, long, value_name = "N")]
+    seed: Option<u64>,
+    #[command(flatten)]
+    scenario: ScenarioArguments,
     #[command(flatten)]
     source: SourceArguments,
     #[command(flatten)]
@@ -56,6 +59,16 @@ pub struct Arguments {
     leaving: LeaveArguments,
     #[command(flatten)]
     others: OtherArguments,
+}
+
+#[derive(clap::Args)]
+struct ScenarioArguments {
+    /// A scenario, as --save-scenario writes it (docs/scenario.md). Other options change it
+    #[arg(long, value_name = "FILE.toml")]
+    scenario: Option<PathBuf>,
+    /// Write what the options say as a scenario, which makes the same crowd
+    #[arg(long, value_name = "FILE.toml")]
+    save_scenario: Option<PathBuf>,
 }
 
 #[derive(clap::Args)]
@@ -79,17 +92,18 @@ struct TrialArguments {
     /// which are kept
     #[arg(long)]
     force: bool,
-    /// Material of the people. human_soft has a softer chest: lower and longer peaks, longer steps
-    #[arg(long, value_parser = SKINS, default_value = SKINS[0])]
-    material: String,
+    /// Material of the people. human_soft has a softer chest: lower and longer peaks, longer steps. Default:
+    /// human_naked
+    #[arg(long, value_parser = SKINS)]
+    material: Option<String>,
     /// Everybody pushes along --direction, with the force that keeps a lone person at this speed, in
     /// m/s. Default: 0. With --leave: everybody's desired speed. Default: 1.34
     #[arg(long, value_name = "SPEED", value_parser = within(0.0, 20.0, " (m/s)"))]
     speed: Option<f64>,
     /// Communication step (TimeStep), in s. The mechanical step is chosen from the stiffest contact and
-    /// divides it
-    #[arg(long, value_name = "SECONDS", default_value = "0.01", value_parser = within(1e-6, 1.0, " (s)"))]
-    time_step: f64,
+    /// divides it. Default: 0.01
+    #[arg(long, value_name = "SECONDS", value_parser = within(1e-6, 1.0, " (s)"))]
+    time_step: Option<f64>,
 }
 
 #[derive(clap::Args)]
@@ -150,11 +164,60 @@ fn altitudes(wanted: &[Altitude], agents: &[Agent]) -> Vec<f64> {
     wanted.iter().flat_map(|at| at.as_ref().map_or(torsos, std::slice::from_ref)).copied().collect()
 }
 
-pub fn crowd(mut arguments: Arguments) -> Result<()> {
-    let population = arguments.source.population()?;
+/// Options of keys of a scenario that have another name.
+const OPTIONS: [(&str, &str); 5] = [
+    ("doors", "door"),
+    ("regions", "region"),
+    ("exits", "exit"),
+    ("people", "custom"),
+    ("people.file", "custom"),
+];
+
+/// A text about a scenario, in which keys between backticks become options.
+fn as_options(text: &str) -> String {
+    named(text, |key| {
+        let other = OPTIONS.iter().find(|(own, _)| *own == key);
+        format!("--{}", other.map_or(key, |(_, option)| option).replace('_', "-"))
+    })
+}
+
+/// An error of a scenario, in words of options.
+fn told(error: ScenarioError) -> anyhow::Error {
+    match error {
+        ScenarioError::Misused(what) => Misused(as_options(&what)).into(),
+        ScenarioError::Stopped => Interrupted::given_up().into(),
+        ScenarioError::Files(problems) => {
+            note!("{problems}");
+            TrialHasErrors.into()
+        }
+        ScenarioError::People { of, error } => explained(error).context(as_options(&of)),
+        ScenarioError::NoRoom { ref place, .. } => {
+            anyhow!("{place}: {error} (--allow-overlap places all of them)")
+        }
+        ScenarioError::Impossible(what) => anyhow!(as_options(&what)),
+    }
+}
+
+/// A scenario as it is in a file: paths are relative to its directory, or absolute.
+fn saved(mut scenario: Scenario, file: &Path) -> Result<Scenario> {
+    let directory = std::path::absolute(file)?.parent().map(Path::to_owned).unwrap_or_default();
+    let mut done = Ok(());
+    scenario.each_path(|path| match std::path::absolute(&*path) {
+        Ok(whole) => *path = whole.strip_prefix(&directory).map(Path::to_owned).unwrap_or(whole),
+        Err(error) => done = Err(error),
+    });
+    done?;
+    Ok(scenario)
+}
+
+pub fn crowd(arguments: Arguments) -> Result<()> {
+    let mut scenario = arguments.scenario()?;
+    scenario.check().map_err(told)?;
+    let population = scenario.population(&Disk).map_err(told)?;
     if population.has_bicycles() {
         arguments.refuse_bicycles()?;
-        if !arguments.placing.fixed_along_an_axis() {
+        let orientation = *scenario.orientation.get_or_insert(OrientationName::Fixed);
+        if orientation != OrientationName::Fixed || scenario.direction.unwrap_or(0.0) % 90.0 != 0.0 {
             bail!(Misused(
                 "--pedestrians below 1: bicycles stand along the axes in the light XML: --orientation fixed with \
                  --direction 0, 90, 180 or 270"
@@ -162,43 +225,44 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             ));
         }
     }
-    let Arguments { placing, trial, leaving, others, seed, .. } = &arguments;
-    let written = trial.output.is_some() || trial.zip.is_some();
-    // Known before a drawing is read.
-    leaving.check(placing.doors.len() + usize::from(placing.is_drawing()), written, trial.speed.is_some())?;
-    let place = placing.place()?;
-    leaving.check(place.ways_out(), written, trial.speed.is_some())?;
-    let numbers = placing.numbers(&place, arguments.number, arguments.density)?;
-    // People who leave are driven by nothing else.
-    let speed = trial.speed.filter(|_| !leaving.leave).unwrap_or(0.0);
-    let settings = TrialSettings {
-        time_step: trial.time_step,
-        people: trial.material.clone(),
-        desired_velocity: heading(placing.direction()) * speed,
-    };
+    let Arguments { trial, others, .. } = &arguments;
+    let decides = scenario.leave || scenario.decision != DecisionConfig::default();
+    if decides && trial.output.is_none() && trial.zip.is_none() && arguments.scenario.save_scenario.is_none()
+    {
+        bail!(Misused(
+            "--leave and --balance write decision.toml into a Trial: give -o TRIAL or --zip FILE.zip".into()
+        ));
+    }
+    let drawn = scenario.drawn(&Disk).map_err(told)?;
+    if let (Some(read), Some(path)) = (&drawn, &scenario.geometry) {
+        say_drawn(read, path);
+    }
+    let place = scenario.place(&Disk, drawn).map_err(told)?;
+    place.notes.iter().for_each(|said| note!("{}", as_options(said)));
+    let numbers = scenario.numbers(&place).map_err(told)?;
+    let settings = scenario.settings();
     if let Some(directory) = &trial.output {
         may_write(directory, trial.force).context("-o")?;
     }
     let binaries = trial.fmu.as_ref().map(|_| trial.packing.binaries(&CROWD)).transpose()?;
-    let mut outputs = arguments.outputs()?;
+    let mut outputs = arguments.outputs(decides)?;
     // Known before a long packing.
     let makeable = settings.check(&place.geometry);
     if trial.wanted() || outputs.have_any(&["--svg", "--pdf", "--png"]) {
         makeable.as_ref().map_err(|error| anyhow!("cannot make a Trial of {}: {error}", place.name))?;
     }
     // Of a Trial that is refused nothing more is told.
-    let beside = if leaving.is_wanted() { &[DECISION_FILE][..] } else { &[] };
+    let beside = if decides { &[DECISION_FILE][..] } else { &[] };
     for said in trial.output.iter().flat_map(|directory| files::staying(directory, beside)) {
         note!("{said}");
     }
     let interrupt = Interrupt::watch();
 
-    let agents: Vec<Agent> = population.agents(*seed).take(numbers.iter().sum()).collect();
-    let shapes = agents.iter().map(Agent::shape).collect::<Result<Vec<Shape>, _>>()?;
+    let agents: Vec<Agent> = population.agents(scenario.seed).take(numbers.iter().sum()).collect();
     others.check_bodies(&agents)?;
     let started = Instant::now();
-    let (packing, densities) =
-        placing.run(&shapes, &place, &numbers, arguments.density, *seed, &interrupt)?;
+    let Crowd { packing, densities, shapes } =
+        placed(&scenario, &agents, &place, &numbers, &interrupt).map_err(told)?;
     let seconds = started.elapsed().as_secs_f64();
     let ground = if place.is_plane() { shapes.len() as f64 / packing.density } else { place.area() };
     // Of a bicycle the two rectangles, not the disks that keep others off them.
@@ -211,7 +275,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     // Printed when all is written: who closes the pipe early has the files nevertheless.
     let mut out = Vec::new();
     writeln!(out, "{}", CrowdStatistics::of(&agents))?;
-    writeln!(out, "\nseed               {seed:>10}")?;
+    writeln!(out, "\nseed               {:>10}", scenario.seed)?;
     let of = if place.is_plane() { "convex hull of all" } else { &place.name };
     writeln!(out, "{}", line("ground", ground, &format!("m²   ({of})")))?;
     if place.has_regions {
@@ -224,12 +288,16 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             }
         }
     }
-    writeln!(out, "{}", line("placed in", seconds, &format!("s   ({})", placing.manner())))?;
+    writeln!(out, "{}", line("placed in", seconds, &format!("s   ({})", manner(&scenario))))?;
     let share = format!("/m²   ({:.1} % of the ground is covered)", 100.0 * covered / ground);
     writeln!(out, "{}", line("density", packing.density, &share))?;
     writeln!(out, "{}", line("largest overlap", 1e3 * packing.largest_overlap, "mm"))?;
 
     let crowd: Vec<(Agent, Pose)> = agents.iter().cloned().zip(packing.poses).collect();
+    if let Some(file) = &arguments.scenario.save_scenario {
+        let text = saved(scenario.clone(), file)?.to_toml().map_err(told)?;
+        outputs.fill("--save-scenario", |file| file.write_all(text.as_bytes()))?;
+    }
     outputs.fill("--population", |file| file.write_all(crowd_csv(&agents).as_bytes()))?;
     if let Some(output) = outputs.of("--light-xml") {
         let text = light_xml(&crowd)?;
@@ -239,7 +307,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     bodies::write(&crowd, at.as_deref(), [covered, ground], &mut outputs, &interrupt, &mut out)?;
     let mut done = Ok(());
     if makeable.is_ok() {
-        let made = crowd_trial(&arguments.name(), &crowd, place.geometry.clone(), &settings)?;
+        let made = scenario.trial(&arguments.name(), &crowd, &shapes, &place.geometry).map_err(told)?;
         let (mut scene, style) = of_crowd(&made, &crowd);
         scene.marks = place.drawn.as_ref().map_or(Vec::new(), |drawn| marks(&drawn.plan));
         outputs.draw(&scene, &style)?;
@@ -247,21 +315,20 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             let step = made.parameters.time_step_mechanical;
             let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
             writeln!(out, "mechanical step    {step:>10} {note}")?;
-            let ways = placing.ways_out(&place, &crowd);
-            // Of kinds, each has its own, unless all have the same.
-            let own = agents
-                .iter()
-                .map(|agent| agent.member().map(|of| of.speed).filter(|_| trial.speed.is_none()));
-            let wishes = leaving
-                .is_wanted()
-                .then(|| leaving.text(&ways, place.drawn.as_ref(), trial.speed, *seed, own));
-            if let Some(text) = &wishes {
+            let mut notes = Vec::new();
+            let decision = scenario.decision(&agents, &made, &place, &mut notes);
+            notes.iter().for_each(|said| note!("{}", as_options(said)));
+            if let Some(config) = &decision {
                 // A run would refuse it.
-                let plan = DecisionConfig::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));
-                let plan = plan.context("--leave: people cannot leave")?;
+                let plan = scenario.plan(&made, config).map_err(told)?;
                 out_of_reach(&plan, &made.geometry).iter().for_each(|doubt| note!("warning: {doubt}"));
             }
-            let beside: Vec<(&str, &str)> = wishes.iter().map(|text| (DECISION_FILE, &text[..])).collect();
+            let drive = lemons_scenario::drive(&made, &scenario.pushes).map_err(told)?;
+            let decision = decision.map(|config| config.to_toml()).transpose()?;
+            let beside =
+                [(DECISION_FILE, decision), (DRIVE_FILE, Some(drive).filter(|text| !text.is_empty()))];
+            let beside: Vec<(&str, &str)> =
+                beside.iter().filter_map(|(name, text)| Some((*name, text.as_deref()?))).collect();
             done = trial.write(&made, &beside, binaries, &interrupt, &mut out)?;
         }
     }
@@ -357,6 +424,26 @@ impl OtherArguments {
 }
 
 impl Arguments {
+    /// The scenario of the file, if there is one, with what the options say.
+    fn scenario(&self) -> Result<Scenario> {
+        let file = self.scenario.scenario.as_deref();
+        let mut scenario =
+            file.map_or_else(|| Ok(Scenario::default()), |file| Scenario::read(&Disk, file))?;
+        scenario.each_path(|path| files::reads(path, "--scenario"));
+        if self.number.is_some() || self.density.is_some() {
+            (scenario.number, scenario.density) = (self.number, self.density);
+        }
+        scenario.seed = self.seed.unwrap_or(scenario.seed);
+        self.source.fill(&mut scenario)?;
+        self.placing.fill(&mut scenario)?;
+        self.leaving.fill(&mut scenario);
+        let TrialArguments { material, speed, time_step, .. } = &self.trial;
+        scenario.material = material.clone().unwrap_or(scenario.material);
+        scenario.speed = speed.or(scenario.speed);
+        scenario.time_step = time_step.unwrap_or(scenario.time_step);
+        Ok(scenario)
+    }
+
     fn refuse_bicycles(&self) -> Result<()> {
         let TrialArguments { output, zip, fmu, .. } = &self.trial;
         let asked = [("-o", output), ("--zip", zip), ("--fmu", fmu)];
@@ -378,7 +465,7 @@ impl Arguments {
     }
 
     /// Opens what is written beside the Trial.
-    fn outputs(&self) -> Result<Outputs> {
+    fn outputs(&self, decides: bool) -> Result<Outputs> {
         let (trial, others) = (&self.trial, &self.others);
         // Whether they can be written is better known before a long packing.
         for path in [&trial.zip, &trial.fmu].into_iter().flatten() {
@@ -386,8 +473,8 @@ impl Arguments {
         }
         if let Some(directory) = &trial.output {
             files::claim_directory(directory)?;
-            let wishes = self.leaving.leave.then_some(&DECISION_FILE);
-            TRIAL_FILES.iter().chain(wishes).try_for_each(|file| files::claim(&directory.join(file)))?;
+            let decision = decides.then_some(&DECISION_FILE);
+            TRIAL_FILES.iter().chain(decision).try_for_each(|file| files::claim(&directory.join(file)))?;
         }
         Outputs::open(&[
             ("--population", "population", &others.population),
@@ -399,6 +486,7 @@ impl Arguments {
             ("--svg", "picture", &others.svg),
             ("--pdf", "picture", &others.pdf),
             ("--png", "picture", &others.png),
+            ("--save-scenario", "scenario", &self.scenario.save_scenario),
         ])
     }
 }

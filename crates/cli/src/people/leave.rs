@@ -1,15 +1,20 @@
 //! `--leave` and the options that need it: the `decision.toml` of a crowd.
 
-use super::placing::WayOut;
-use crate::error::Misused;
+use super::named;
 use crate::numbers::{array, within};
-use anyhow::{Result, bail};
 use lemons_core::distribution::{Distribution, Range};
 use lemons_core::plane::{Vec2, vec2};
-use lemons_decision::Spread;
-use lemons_decision::plan::FLAT_PUSH;
-use lemons_people::drawing::{self, Read};
-use std::fmt::Write;
+use lemons_decision::{BalanceName, GroupsConfig, Spread, TargetConfig, WalkingModelName};
+use lemons_scenario::Scenario;
+
+/// Walking models, the usual one first.
+const MODELS: [WalkingModelName; 4] = [
+    WalkingModelName::Rotational,
+    WalkingModelName::CollisionFreeSpeed,
+    WalkingModelName::SocialForce,
+    WalkingModelName::Straight,
+];
+const BALANCES: [BalanceName; 2] = [BalanceName::Pendulum, BalanceName::TwoLevel];
 
 #[derive(clap::Args)]
 #[command(next_help_heading = "Leaving and standing (with -o or --zip)")]
@@ -31,10 +36,10 @@ pub struct LeaveArguments {
     /// How people walk around others. straight: not at all. Default: rotational
     #[arg(
         long,
-        value_parser = ["rotational", "collision-free-speed", "social-force", "straight"],
+        value_parser = named(&MODELS, WalkingModelName::name),
         requires = "leave"
     )]
-    model: Option<String>,
+    model: Option<WalkingModelName>,
     /// Greatest force with which people push ahead, in N: of everybody, or the mean and the standard
     /// deviation of a normal distribution, as in 150,50. With rotational, squeezes hardly grow with it above
     /// 150 N (docs/walking.md). Default: no limit
@@ -49,8 +54,8 @@ pub struct LeaveArguments {
     start: Option<Spread>,
     /// How people who stand keep their balance, when they are pushed (docs/balance.md). Without --leave:
     /// everybody stands
-    #[arg(long, value_parser = ["pendulum", "two-level"])]
-    balance: Option<String>,
+    #[arg(long, value_parser = named(&BALANCES, BalanceName::name))]
+    balance: Option<BalanceName>,
 }
 
 fn push(text: &str) -> Result<[f64; 2], String> {
@@ -76,143 +81,27 @@ fn exit(text: &str) -> Result<[Vec2; 2], String> {
 }
 
 impl LeaveArguments {
-    /// Checks that there is a way out, and a place for the file.
-    ///
-    /// # Errors
-    /// One of them is missing, or people who only stand have a speed.
-    pub fn check(&self, doors: usize, written: bool, speed: bool) -> Result<()> {
-        if speed && !self.leave && self.balance.is_some() {
-            bail!(Misused(
-                "--speed: with --balance and without --leave, people stand: leave out one of the two".into()
-            ));
+    /// Fills in what is given.
+    pub fn fill(&self, scenario: &mut Scenario) {
+        scenario.leave |= self.leave;
+        let decision = &mut scenario.decision;
+        if !self.exits.is_empty() {
+            let exit = |(k, line): (usize, &[Vec2; 2])| TargetConfig {
+                name: Some(format!("exit {k}")),
+                line: Some(line.map(Into::into)),
+                ..TargetConfig::default()
+            };
+            decision.exits = Some(self.exits.iter().enumerate().map(exit).collect());
         }
-        let missing = match (self.leave, doors + self.exits.len()) {
-            (true, 0) => "--leave: there is no way out: give --door X,Y,WIDTH, or --exit X1,Y1,X2,Y2",
-            _ if self.is_wanted() && !written => {
-                "--leave and --balance write decision.toml into a Trial: give -o TRIAL or --zip FILE.zip"
-            }
-            _ => return Ok(()),
-        };
-        Err(Misused(missing.into()).into())
-    }
-
-    /// Returns whether `decision.toml` is wanted.
-    pub fn is_wanted(&self) -> bool {
-        self.leave || self.balance.is_some()
-    }
-
-    /// The text of `decision.toml`: people leave by doors, with these lines \[m\] behind them, and by the exits.
-    /// The seed chooses who starts when and who is in a group. Without a speed \[m/s\] it is a usual one, but for those
-    /// who have one of their own. Of several exits, people choose by the expected time.
-    pub fn text(
-        &self,
-        doors: &[WayOut],
-        drawn: Option<&Read>,
-        speed: Option<f64>,
-        seed: u64,
-        own: impl Iterator<Item = Option<f64>>,
-    ) -> String {
-        let balance = self.balance.iter().map(|model| format!("balance = {model:?}\n")).collect::<String>();
-        if !self.leave {
-            return balance;
-        }
-        if self.balance.is_some() {
-            note!(
-                "note: --balance: legs act on those who stand, before they start or at a goal; who walks cannot fall"
-            );
-        }
-        let model = self.model.as_deref().unwrap_or("rotational");
-        let speed = speed.unwrap_or(lemons_decision::DEFAULT_SPEED);
-        let mut text = format!("model = {model:?}\n{balance}desired_speed = {speed:?}          # [m/s]\n");
+        decision.model = self.model.or(decision.model);
         if let Some([push, deviation]) = self.push {
-            if model == "rotational" {
-                note!("note: --push: {FLAT_PUSH}");
-            }
-            let _ = writeln!(text, "push = {push:?}                 # [N]");
-            if deviation > 0.0 {
-                let _ = writeln!(text, "push_sd = {deviation:?}               # [N]");
-            }
-        }
-        if self.start.is_some() || self.groups.is_some() {
-            let _ = writeln!(text, "seed = {seed}");
-        }
-        match self.start {
-            Some(Spread::Drawn(Distribution::Uniform(Range { min, max }))) => {
-                let _ = writeln!(text, "start = {{ min = {min:?}, max = {max:?} }}   # [s]");
-            }
-            Some(Spread::Same(start)) => {
-                let _ = writeln!(text, "start = {start:?}                # [s]");
-            }
-            _ => {}
+            decision.push = Some(push);
+            decision.push_sd = (deviation > 0.0).then_some(deviation);
         }
         if let Some(share) = self.groups {
-            let _ = writeln!(text, "groups = {{ share = {share:?} }}   # docs/walking.md");
+            decision.groups = Some(GroupsConfig { share: Some(share), ..GroupsConfig::default() });
         }
-        let drawn = drawn.map(|read| &read.plan);
-        text += &drawn.map_or(String::new(), way);
-        let drawn = drawn.filter(|_| self.exits.is_empty()).map_or(&[][..], |plan| &plan.exits);
-        if doors.len() + self.exits.len() + drawn.len() > 1 {
-            text += "exit_choice = \"time\"           # by distance and queue\n";
-        }
-        text += "exits = [\n";
-        let exits: Vec<WayOut> = self.exits.iter().map(|line| (*line, Vec::new())).collect();
-        for (kind, lines) in [("door", doors), ("exit", &exits)] {
-            for (k, ([a, b], open)) in lines.iter().enumerate() {
-                let line = format!("[[{:?}, {:?}], [{:?}, {:?}]]", a.x, a.y, b.x, b.y);
-                let times = if open.is_empty() { String::new() } else { format!(", open = {open:?}") };
-                let units = if open.is_empty() { "[m]" } else { "[m], [s]" };
-                // Writing to a string does not fail.
-                let _ = writeln!(text, "  {{ name = \"{kind} {k}\", line = {line}{times} }},   # {units}");
-            }
-        }
-        drawn.iter().for_each(|place| text += &drawn_exit(place));
-        text += "]\n";
-        for (id, speed) in own.enumerate().filter_map(|(id, own)| Some((id, own?))) {
-            let _ = writeln!(text, "[agents.{id}]\ndesired_speed = {speed:?}");
-        }
-        text
+        decision.start = self.start.or(decision.start);
+        decision.balance = self.balance.or(decision.balance);
     }
-}
-
-/// A name as TOML has it.
-fn quoted(name: &str) -> toml::Value {
-    toml::Value::String(name.to_owned())
-}
-
-fn drawn_exit(drawing::Place { name, corners }: &drawing::Place) -> String {
-    let corners: Vec<String> =
-        corners.iter().map(|corner| format!("[{:?}, {:?}]", corner.x, corner.y)).collect();
-    let shape = if corners.len() == 2 { "line" } else { "polygon" };
-    format!("  {{ name = {}, {shape} = [{}] }},   # [m]\n", quoted(name), corners.join(", "))
-}
-
-/// The way-points of a drawing, if their names say their order.
-fn way(plan: &drawing::Plan) -> String {
-    let Some(way) = plan.way() else {
-        if !plan.waypoints.is_empty() {
-            note!(
-                "note: way-points of the drawing are not used: their names end in no numbers that say an order"
-            );
-        }
-        return String::new();
-    };
-    let mut text = String::from("waypoints = [\n");
-    for place in &way {
-        let (middle, radius) = place.middle();
-        let radius = radius.map_or(String::new(), |radius| format!(", radius = {radius:?}"));
-        let _ = writeln!(
-            text,
-            "  {{ x = {:?}, y = {:?}{radius} }},   # [m] {}",
-            middle.x,
-            middle.y,
-            comment(&place.name)
-        );
-    }
-    note!("note: everybody goes to the {} way-points of the drawing first", way.len());
-    text + "]\n"
-}
-
-/// A name without what could end a comment.
-fn comment(name: &str) -> String {
-    name.chars().filter(|c| !c.is_control()).collect()
 }

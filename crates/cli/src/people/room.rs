@@ -13,16 +13,13 @@ use lemons_core::files::input;
 use lemons_core::trial::{Geometry, Trial, Wall};
 use lemons_people::PeopleError;
 use lemons_people::drawing::{
-    DEVIATION, Drawing, Enclosing, Format, Gap, LARGEST_DRAWING, Place, Plan, PlanSettings, Proposal, Read,
-    Reading, UNITS, WIDEST_DOOR, sizes, write_plan,
+    Drawing, Format, Gap, LARGEST_DRAWING, Place, Plan, Proposal, Read, Reading, UNITS, sizes, write_plan,
 };
-use lemons_people::{Door, TrialSettings, crowd_trial};
+use lemons_people::{TrialSettings, crowd_trial};
 use lemons_picture::{Mark, MarkKind, Scene, Style};
+use lemons_scenario::{DoorForm, DrawingForm, WALLS};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// The material of walls from a drawing.
-pub const MATERIAL: &str = "concrete";
 
 pub const ROOM_HELP: &str = include_str!("../help/room.txt");
 
@@ -45,7 +42,7 @@ pub struct Arguments {
     /// A door in the nearest closed wall, in m: an exit of the room that is written, as --door of lemons
     /// crowd. Can be given several times
     #[arg(long = "door", value_name = "X,Y,WIDTH", value_parser = door, allow_hyphen_values = true)]
-    doors: Vec<Door>,
+    doors: Vec<DoorForm>,
     /// Draw what was understood as SVG
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
@@ -146,23 +143,22 @@ impl DrawingArguments {
     }
 
     fn of_format(&self, path: &Path, format: Format) -> Result<Read> {
-        let bytes = input::read(path, LARGEST_DRAWING)?;
-        let settings = PlanSettings {
+        let (bytes, form) = (input::read(path, LARGEST_DRAWING)?, self.form());
+        Read::of(format, &bytes, &form.reading(), &form.settings()).map_err(explained)
+    }
+
+    /// Returns the keys of a scenario.
+    pub fn form(&self) -> DrawingForm {
+        DrawingForm {
+            unit: self.unit.or(self.scale),
             close: self.close,
-            to_origin: self.origin,
+            deviation: self.deviation,
+            origin: self.origin,
             walls: self.walls.clone(),
-            enclosing: self.enclosing(),
-        };
-        Read::of(format, &bytes, &self.how(), &settings).map_err(explained)
-    }
-
-    fn how(&self) -> Reading {
-        Reading { unit: self.unit.or(self.scale), deviation: self.deviation.unwrap_or(DEVIATION) }
-    }
-
-    fn enclosing(&self) -> Option<Enclosing> {
-        let widest = self.widest.unwrap_or(WIDEST_DOOR);
-        self.enclosed.then(|| Enclosing { obstacles: self.obstacles.clone(), widest })
+            enclosed: self.enclosed,
+            obstacles: self.obstacles.clone(),
+            widest: self.widest,
+        }
     }
 
     /// The options that say how the drawing is read, as they were given.
@@ -179,7 +175,7 @@ impl DrawingArguments {
 }
 
 /// What to do where the unit is not known.
-fn explained(error: PeopleError) -> anyhow::Error {
+pub fn explained(error: PeopleError) -> anyhow::Error {
     let PeopleError::NoUnit { size, scale } = error else { return error.into() };
     let options = if scale {
         "a unit of SVG can be any length: give --unit m, cm, mm, in or ft, or --scale METRES"
@@ -215,7 +211,7 @@ fn propose(arguments: &Arguments) -> Result<()> {
     let format = format_of(path)?;
     let named = || path.display().to_string();
     let bytes = input::read(path, LARGEST_DRAWING)?;
-    let drawing = Drawing::read(format, &bytes, &reading.how())
+    let drawing = Drawing::read(format, &bytes, &reading.form().reading())
         .map_err(|error| match error {
             PeopleError::NoUnit { .. } => {
                 let units = units(format, &bytes, reading);
@@ -225,7 +221,7 @@ fn propose(arguments: &Arguments) -> Result<()> {
             error => error.into(),
         })
         .with_context(named)?;
-    let given = reading.enclosing();
+    let given = reading.form().enclosing();
     let found = Proposal::of(&drawing, &reading.walls, reading.close, given.as_ref()).with_context(named)?;
     let Some(mut found) = found else {
         bail!(
@@ -268,7 +264,7 @@ fn propose(arguments: &Arguments) -> Result<()> {
 /// In which units two lines side by side would be walls, and how thick.
 fn units(format: Format, bytes: &[u8], reading: &DrawingArguments) -> String {
     let in_unit = |(name, metres): (&str, f64)| {
-        let how = Reading { unit: Some(metres), ..reading.how() };
+        let how = Reading { unit: Some(metres), ..reading.form().reading() };
         let found =
             Proposal::of(&Drawing::read(format, bytes, &how).ok()?, &reading.walls, None, None).ok()??;
         let (thickness, _) = *found.thicknesses.first()?;
@@ -284,7 +280,7 @@ fn walls_of(found: &Proposal) -> Geometry {
     let rims = found.ground.iter().map(|rim| rim.iter().chain(rim.first()).copied().collect());
     let open = if found.ground.is_empty() { &found.drawn } else { &found.open };
     let all = rims.chain(open.iter().map(|ends| ends.to_vec()));
-    let walls = all.enumerate().map(|(id, corners)| Wall::new(id.to_string(), MATERIAL, corners)).collect();
+    let walls = all.enumerate().map(|(id, corners)| Wall::new(id.to_string(), WALLS, corners)).collect();
     Geometry { dimensions: None, walls }
 }
 
@@ -323,7 +319,7 @@ pub fn room(arguments: &Arguments) -> Result<()> {
     let mut outputs = pictures(arguments)?;
     let interrupt = Interrupt::watch();
     let mut read = reading.read(drawing)?;
-    for door in &arguments.doors {
+    for DoorForm(door) in &arguments.doors {
         let named = || format!("{}: --door", drawing.display());
         if !door.open.is_empty() {
             bail!(crate::error::Misused(format!(
@@ -333,7 +329,7 @@ pub fn room(arguments: &Arguments) -> Result<()> {
         }
         read.plan.add_door(door).with_context(named)?;
     }
-    let geometry = read.plan.geometry(MATERIAL);
+    let geometry = read.plan.geometry(WALLS);
     outputs.draw(&scene_of(&bare(drawing, &geometry)?, &read.plan), &style())?;
     let mut out = Vec::new();
     for (what, how) in said(&read, drawing) {

@@ -1,11 +1,12 @@
 //! `lemons shape`: a drawn outline as the disks of a body.
 
-use super::room::{DrawingArguments, MATERIAL};
+use super::room::DrawingArguments;
 use crate::print;
 use anyhow::{Context, Result};
 use lemons_core::plane::{Disk, Moments, Ring, union};
 use lemons_core::xml::number;
 use lemons_people::{Cover, MOST_COVERING, cover};
+use lemons_scenario::WALLS;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -34,7 +35,7 @@ fn material(text: &str) -> Result<String, String> {
 
 pub fn shape(arguments: &Arguments) -> Result<()> {
     let path = &arguments.drawing;
-    let geometry = arguments.reading.read(path)?.plan.geometry(MATERIAL);
+    let geometry = arguments.reading.read(path)?.plan.geometry(WALLS);
     let rings = geometry.walls.into_iter().filter(|wall| wall.corners.first() == wall.corners.last());
     let rings = rings.filter_map(|wall| Ring::through(wall.corners));
     let outline = rings.max_by(|a, b| a.area().total_cmp(&b.area()));

@@ -3,12 +3,9 @@
 use super::{measure, person};
 use crate::error::Misused;
 use crate::numbers::within;
-use anyhow::{Context, Result, bail};
-use lemons_core::files::input;
-use lemons_people::{
-    Custom, Kinds, Measure, PAPER_BICYCLES, Person, Population, Proportions, Sex, Source, Survey,
-};
-use std::collections::BTreeMap;
+use anyhow::{Result, bail};
+use lemons_people::{Measure, Person, Sex};
+use lemons_scenario::{People, Scenario, Share};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -26,7 +23,7 @@ pub struct SourceArguments {
     /// wheelchair, with-child, and those of --custom (docs/people.md). With --leave, each has the desired
     /// speed of its kind
     #[arg(long, value_name = "KIND=SHARE", value_delimiter = ',', value_parser = share)]
-    mix: Vec<Share>,
+    mix: Vec<(String, Share)>,
     /// Your own statistics, see below
     #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["ansur_male", "ansur_female", "fixed"])]
     custom: Option<PathBuf>,
@@ -44,13 +41,10 @@ pub struct SourceArguments {
 
 pub const CUSTOM_HELP: &str = include_str!("../help/custom.txt");
 
-/// The share of a kind, by its name.
-type Share = (String, f64);
-
-fn share(text: &str) -> Result<Share, String> {
+fn share(text: &str) -> Result<(String, Share), String> {
     let (name, share) = text.split_once('=').ok_or("must be KIND=SHARE, as in adult=70,child=30")?;
     let share = within(0.0, 1e6, "")(share.trim()).map_err(|fault| format!("{name} {fault}"))?;
-    Ok((name.trim().to_owned(), share))
+    Ok((name.trim().to_owned(), Share::Number(share)))
 }
 
 fn fixed(text: &str) -> Result<Person, String> {
@@ -69,47 +63,24 @@ fn fixed(text: &str) -> Result<Person, String> {
 }
 
 impl SourceArguments {
-    pub fn population(&self) -> Result<Population> {
-        let mut proportions = Proportions::default();
-        let mut bicycles = PAPER_BICYCLES;
-        let (mut mix, mut kinds) = (BTreeMap::new(), Kinds::built_in()?);
-        let named =
-            || self.custom.iter().map(|path| format!("--custom {}", path.display())).collect::<String>();
-        let source = if let Some(path) = &self.custom {
-            let text = input::read_text(path, input::LARGEST_SETTINGS).with_context(named)?;
-            let custom = Custom::from_toml(&text).with_context(named)?;
-            proportions.men = custom.men.unwrap_or(proportions.men);
-            proportions.pedestrians = custom.pedestrians.unwrap_or(proportions.pedestrians);
-            bicycles = custom.bicycles;
-            mix = custom.mix;
-            kinds = kinds.with(custom.kinds).with_context(named)?;
-            Source::custom(&custom.people).with_context(named)?
-        } else if self.ansur_male.is_some() || self.ansur_female.is_some() {
-            // Of one table alone come its people alone.
-            proportions.men = match (&self.ansur_male, &self.ansur_female) {
-                (Some(_), None) => 1.0,
-                (None, Some(_)) => 0.0,
-                _ => proportions.men,
-            };
-            Source::Survey(Survey::read(self.ansur_male.as_deref(), self.ansur_female.as_deref())?)
-        } else if let Some(person) = self.fixed {
-            Source::Fixed(person)
-        } else {
-            Source::ansur()?
-        };
-        proportions.men = self.men.unwrap_or(proportions.men);
-        proportions.pedestrians = self.pedestrians.unwrap_or(proportions.pedestrians);
-        let population = Population::new(source, proportions, bicycles).with_context(named)?;
-        let mut from = format!("{}, [mix]", named());
+    /// Fills in what is given.
+    pub fn fill(&self, scenario: &mut Scenario) -> Result<()> {
+        scenario.men = self.men.or(scenario.men);
+        scenario.pedestrians = self.pedestrians.or(scenario.pedestrians);
+        let SourceArguments { custom, ansur_male, ansur_female, fixed, .. } = self;
+        if let Some(file) = custom.clone() {
+            scenario.people = People::Custom { file };
+        } else if ansur_male.is_some() || ansur_female.is_some() {
+            scenario.people = People::Tables { male: ansur_male.clone(), female: ansur_female.clone() };
+        } else if let Some(person) = fixed {
+            scenario.people = People::Fixed { sex: person.sex, measures: person.measures() };
+        }
         if !self.mix.is_empty() {
-            (mix, from) = (self.mix.iter().cloned().collect(), "--mix".to_owned());
-            if mix.len() < self.mix.len() {
+            scenario.mix = self.mix.iter().cloned().collect();
+            if scenario.mix.len() < self.mix.len() {
                 bail!(Misused("--mix: a kind is there twice".into()));
             }
         }
-        if mix.is_empty() {
-            return Ok(population);
-        }
-        Ok(population.mixed(kinds.mix(&mix).context(from)?))
+        Ok(())
     }
 }

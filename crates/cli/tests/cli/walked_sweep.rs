@@ -112,17 +112,17 @@ squeeze = { of = "peak_squeeze", take = "max" }
         ("box = [6, 5]", "box = [6, 5, 3]", "must be two numbers, not 3"),
         ("groups = 0.5", "groups = 1.5", "population: groups = 1.5: must be from 0 to 1"),
         ("min = 0", "min = 2", "population: everybody: start: min = 2, max = 1.5: min must be below max"),
-        (", 1, 60]", ", 60, 1]", "population: doors: [0.0, 2.5, 1.2, 60.0, 1.0]: must be x, y and a width"),
+        (", 1, 60]", ", 60, 1]", "[0.0, 2.5, 1.2, 60.0, 1.0]: must be x, y and a width"),
         (
             "doors = [[6, 2.5, 1.5], [0, 2.5, 1.2, 1, 60]]",
             "",
-            "population: start: without doors, nobody walks",
+            "population: groups: nobody walks without leave",
         ),
         ("number = 16", "number = 0", "population: number = 0: must be from 1"),
         (
             "number = 16",
             "number = 600",
-            "population: number = 600: so many people do not fit into box = [6, 5]; about ",
+            "population: 600 people do not fit on 30.00 m² without overlap; about ",
         ),
         (
             "mix.wheelchair\" = [0, 20]",
@@ -137,10 +137,14 @@ squeeze = { of = "peak_squeeze", take = "max" }
         (
             "mix.wheelchair\" = [0, 20]",
             "wheels\" = [0, 20]",
-            "parameters: population.wheels: there is no such parameter",
+            "parameters: population.wheels: unknown field wheels",
         ),
         ("until = 4", "until = 4\nplan = false", "plan: is not for a [population]"),
-        ("until = 4", "until = 4\ntrial = \"T_0\"", "give one of the keys trial and fmu, or [population]"),
+        (
+            "until = 4",
+            "until = 4\ntrial = \"T_0\"",
+            "give one of the keys trial, fmu and scenario, or [population]",
+        ),
     ] {
         assert!(text.contains(part), "{part}");
         fs::write(at.join("sweep.toml"), text.replace(part, to)).unwrap();

@@ -26,9 +26,15 @@ fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
     let ends = [walls[0][0], *walls[0].last().unwrap()];
     assert!(ends.iter().all(|end| close(end[0], 8.0, 1e-12)), "{ends:?}");
     assert!(close((ends[0][1] - ends[1][1]).abs(), 0.9, 1e-12));
+    // Walls cut the region, as those of `lemons crowd --region`.
+    for (left, right, area) in [(4.0, 9.0, 24.0), (1.7, 4.0, 2.3 * 6.0 - 0.3 * 0.5)] {
+        let region = json!([[left, 0.0], [right, 0.0], [right, 6.0], [left, 6.0]]);
+        let wanted = with(with(base.clone(), "density", json!(1.0)), "region", region);
+        let made = ok(&mut lab, own(wanted)).0["made"]["area"].as_f64().unwrap();
+        assert!(close(made, area, 1e-9), "{made} {area}");
+    }
     for (key, value, words) in [
-        ("region", json!([[0.0, 0.0], [9.0, 0.0], [4.0, 6.0]]), "goes beyond the room"),
-        ("region", json!([[1.7, 0.0], [4.0, 0.0], [4.0, 6.0], [1.7, 6.0]]), "over an obstacle"),
+        ("region", json!([[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 4.0]]), "area is 0"),
         (
             "room",
             with(room.clone(), "outline", json!([[0.0, 0.0], [8.0, 6.0], [8.0, 0.0], [0.0, 4.0]])),

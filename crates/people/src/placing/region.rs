@@ -116,23 +116,6 @@ impl Region {
         Ok(region)
     }
 
-    /// Returns the part inside another simple polygon \[m\]. Holes in it are its own; the others do not matter to it.
-    ///
-    /// # Errors
-    /// The polygon does not bound a region, or goes beyond this one or over a hole.
-    pub fn part(&self, outer: &[Vec2]) -> Result<Region> {
-        let ring = Ring::through(outer.to_vec());
-        let inside =
-            |hole: &&Ring| ring.as_ref().is_some_and(|ring| hole.corners().iter().all(|c| ring.contains(*c)));
-        let holes = self.rings.iter().skip(1).filter(inside).map(|hole| hole.corners().to_vec());
-        let part = Region::polygon(outer, &holes.collect::<Vec<_>>())?;
-        let crossed = |(a, b)| self.edges.iter().any(|edge| segments_cross(a, b, edge.start, edge.end));
-        let over = part.rings[0].sides().any(crossed);
-        let beyond = outer.iter().any(|corner| self.depth(*corner) < -1e-9);
-        require(!over && !beyond, || "it goes beyond the room or over an obstacle".into())?;
-        Ok(part)
-    }
-
     fn of_rings(named: &[(String, &[Vec2])]) -> Result<Region> {
         let corners: usize = named.iter().map(|(_, ring)| ring.len()).sum();
         require(corners <= MOST_CORNERS, || {

@@ -1,0 +1,159 @@
+//! What people decide: the `decision.toml` of a scenario.
+
+use crate::Scenario;
+use crate::error::{Result, ScenarioError, impossible};
+use crate::place::Place;
+use lemons_core::trial::Trial;
+use lemons_decision::exit_choice::ExitChoice;
+use lemons_decision::plan::FLAT_PUSH;
+use lemons_decision::rule::{WAYPOINT_RADIUS, Waypoint};
+use lemons_decision::{DEFAULT_SPEED, DecisionConfig, Plan, Spread, TargetConfig, WalkingModelName};
+use lemons_people::drawing::{self, Read};
+use lemons_people::{Agent, Door};
+
+impl Scenario {
+    /// Checks what is said of people who leave.
+    pub(crate) fn check_leaving(&self) -> Result<()> {
+        let DecisionConfig { model, start, push, groups, balance, .. } = &self.decision;
+        let only_leaving = [
+            ("model", model.is_some()),
+            ("push", push.is_some()),
+            ("groups", groups.is_some()),
+            ("start", start.is_some()),
+        ];
+        let walks = [&self.decision.waypoints.is_some(), &self.decision.ways.is_some()].contains(&&true)
+            || self.decision.exits.is_some()
+            || self.decision.goals.is_some();
+        if let Some((key, _)) =
+            only_leaving.into_iter().find(|(_, given)| *given).filter(|_| !self.leave && !walks)
+        {
+            return Err(ScenarioError::Misused(format!("`{key}`: nobody walks without `leave`")));
+        }
+        if let Some(start) = start {
+            start.check("start").map_err(|error| impossible(error.to_string()))?;
+        }
+        if let Some(share) = groups.as_ref().and_then(|groups| groups.share) {
+            crate::within("groups", share, [0.0, 1.0])?;
+        }
+        if self.speed.is_some() && !self.leave && balance.is_some() {
+            return Err(ScenarioError::Misused(
+                "`speed`: with `balance` and without `leave`, people stand: leave out one of the two".into(),
+            ));
+        }
+        let ways_out = self.doors.len()
+            + self.decision.exits.as_ref().map_or(0, Vec::len)
+            + self.room.as_ref().map_or(0, |room| room.doors.len());
+        // A drawing may have exits.
+        if self.leave && ways_out == 0 && self.drawing_file().is_none() {
+            return Err(no_way_out());
+        }
+        Ok(())
+    }
+
+    /// Returns the settings of Decision; `None` if nobody walks or stands by them. People leave by doors, with lines
+    /// behind them, and by exits. `speed` is everybody's; without it, those of kinds have that of their kind. The seed
+    /// chooses who starts when and who is in a group. Notes tell what was chosen.
+    pub fn decision(
+        &self,
+        agents: &[Agent],
+        trial: &Trial,
+        place: &Place,
+        notes: &mut Vec<String>,
+    ) -> Option<DecisionConfig> {
+        let mut config = self.decision.clone();
+        if !self.leave {
+            return (config != DecisionConfig::default()).then_some(config);
+        }
+        if config.balance.is_some() {
+            notes.push(
+                "note: `balance`: legs act on those who stand, before they start or at a goal; who walks cannot fall"
+                    .into(),
+            );
+        }
+        let model = *config.model.get_or_insert(WalkingModelName::Rotational);
+        if config.push.is_some() && model == WalkingModelName::Rotational {
+            notes.push(format!("note: `push`: {FLAT_PUSH}"));
+        }
+        config.desired_speed =
+            self.speed.map(Spread::Same).or(config.desired_speed).or(Some(Spread::Same(DEFAULT_SPEED)));
+        if config.start.is_some() || config.groups.is_some() || config.ways.is_some() {
+            config.seed.get_or_insert(self.seed);
+        }
+        let plan = place.drawn.as_ref().map(|Read { plan, .. }| plan);
+        if config.waypoints.is_none() {
+            config.waypoints = plan.and_then(|plan| way(plan, notes));
+        }
+        let given = config.exits.take().unwrap_or_default();
+        let drawn = plan.filter(|_| given.is_empty()).map_or(&[][..], |plan| &plan.exits);
+        let people = trial.dynamics.iter().map(|here| here.position);
+        let behind = place.doors.iter().enumerate().filter_map(|(k, door)| {
+            let line = door.exit(&place.lines, people.clone())?;
+            Some(TargetConfig {
+                name: Some(format!("door {k}")),
+                line: Some(line.map(Into::into)),
+                open: Some(Door::exit_times(door)).filter(|times| !times.is_empty()),
+                ..TargetConfig::default()
+            })
+        });
+        let exits: Vec<TargetConfig> = behind.chain(given).chain(drawn.iter().map(drawn_exit)).collect();
+        if exits.len() > 1 {
+            config.exit_choice.get_or_insert(ExitChoice::Time);
+        }
+        config.exits = Some(exits);
+        if self.speed.is_none() {
+            config = config.with_speeds(own_speeds(agents, trial));
+        }
+        Some(config)
+    }
+
+    /// Makes of the settings what the people of a Trial do.
+    ///
+    /// # Errors
+    /// They cannot be done.
+    pub fn plan(&self, trial: &Trial, config: &DecisionConfig) -> Result<Plan> {
+        Plan::of(trial, config).map_err(|error| match self.leave {
+            true => impossible(format!("`leave`: people cannot leave: {error}")),
+            false => impossible(error.to_string()),
+        })
+    }
+}
+
+/// Returns Ids and desired speeds \[m/s\] of those who are of a kind.
+pub fn own_speeds(agents: &[Agent], trial: &Trial) -> Vec<(String, f64)> {
+    let people = agents.iter().zip(&trial.agents);
+    people.filter_map(|(agent, body)| Some((body.id.clone(), agent.member()?.speed))).collect()
+}
+
+pub(crate) fn no_way_out() -> ScenarioError {
+    ScenarioError::Misused(
+        "`leave`: there is no way out: give `doors` X,Y,WIDTH, or `exits` X1,Y1,X2,Y2".into(),
+    )
+}
+
+fn drawn_exit(drawing::Place { name, corners }: &drawing::Place) -> TargetConfig {
+    let (name, corners): (_, Vec<[f64; 2]>) =
+        (Some(name.clone()), corners.iter().map(|&corner| corner.into()).collect());
+    match <[[f64; 2]; 2]>::try_from(corners) {
+        Ok(line) => TargetConfig { name, line: Some(line), ..TargetConfig::default() },
+        Err(polygon) => TargetConfig { name, polygon: Some(polygon), ..TargetConfig::default() },
+    }
+}
+
+/// The way-points of a drawing, if their names say their order.
+fn way(plan: &drawing::Plan, notes: &mut Vec<String>) -> Option<Vec<Waypoint>> {
+    let Some(way) = plan.way() else {
+        if !plan.waypoints.is_empty() {
+            notes.push(
+                "note: way-points of the drawing are not used: their names end in no numbers that say an order"
+                    .into(),
+            );
+        }
+        return None;
+    };
+    notes.push(format!("note: everybody goes to the {} way-points of the drawing first", way.len()));
+    let point = |place: &drawing::Place| {
+        let (middle, radius) = place.middle();
+        Waypoint { x: middle.x, y: middle.y, radius: radius.unwrap_or(WAYPOINT_RADIUS), wait: 0.0 }
+    };
+    Some(way.into_iter().map(point).collect())
+}

@@ -1,0 +1,305 @@
+//! Scenarios: a room with doors, who is in it, how they are placed, and what they do, in one document. A Trial, its
+//! `decision.toml` and its drive are [made](Scenario::documents) of it.
+//!
+//! Command, sweep, lab and Python fill a [`Scenario`] and make it here, so that the same one gives the same bytes.
+//! `docs/scenario.md` describes the keys. SI units; angles in degrees, counter-clockwise from the x axis.
+
+mod error;
+mod forms;
+mod leave;
+mod people;
+mod place;
+mod push;
+
+pub use error::{Result, ScenarioError, named};
+pub use forms::{DoorForm, DrawingForm, OrientationName, Pair, RegionForm, Share};
+pub use leave::own_speeds;
+pub use people::{Crowd, Four, People, round};
+pub use place::{Ground, Place};
+pub use push::{Push, drive};
+
+use error::{Of, impossible, require};
+use lemons_core::files::input;
+use lemons_core::files::source::Source;
+use lemons_core::plane::Pose;
+use lemons_core::trial::Trial;
+use lemons_decision::{DecisionConfig, Plan};
+use lemons_people::placing::{Method, Watch};
+use lemons_people::room::Room;
+use lemons_people::{Agent, Kinds, SKINS};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Largest number of people.
+pub const MOST_PEOPLE: u32 = 1_000_000;
+/// The material of walls that are made.
+pub const WALLS: &str = "concrete";
+
+/// A scenario. Without `box`, `geometry` and `room`, people stand in the open.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Scenario {
+    /// \[m\] Width and height of a room whose lower left corner is the origin.
+    #[serde(rename = "box")]
+    pub sides: Option<Pair>,
+    /// A Geometry.xml or a drawing.
+    pub geometry: Option<PathBuf>,
+    /// How the drawing is read.
+    pub drawing: DrawingForm,
+    /// Corners of a room, with its doors.
+    pub room: Option<Room>,
+    /// \[m\], \[s\] Doors that are cut into closed walls: x, y, width, and the times at which they open and close.
+    pub doors: Vec<DoorForm>,
+    /// Where people stand; without one, in the whole room, or on the distributions of a drawing.
+    pub regions: Vec<RegionForm>,
+    /// Number of people.
+    pub number: Option<u32>,
+    /// \[1/m²\] Density of people, instead of their number.
+    pub density: Option<f64>,
+    /// The same seed gives the same crowd.
+    pub seed: u64,
+    /// Whom people are drawn from.
+    pub people: People,
+    /// Probability that a pedestrian is a man; if it is not said, 0.5, or what the statistics say.
+    pub men: Option<f64>,
+    /// Probability that somebody is a pedestrian; the others ride bicycles.
+    pub pedestrians: Option<f64>,
+    /// Shares of kinds of people; empty: those of the statistics, else adults with nothing.
+    pub mix: BTreeMap<String, Share>,
+    /// How people are placed.
+    #[serde(with = "forms::method")]
+    pub packing: Method,
+    /// Which way people face; if it is not said, any way, or `towards` the direction if there is one.
+    pub orientation: Option<OrientationName>,
+    /// \[°\] Direction.
+    pub direction: Option<f64>,
+    /// Whether people may overlap at the start.
+    pub allow_overlap: bool,
+    /// Material of everybody: one of [`SKINS`].
+    pub material: String,
+    /// Kinetic friction of people with each other and with walls, instead of the material's.
+    pub friction: Option<f64>,
+    /// Whether each body is one disk, of the same area.
+    pub round: bool,
+    /// \[s\] Communication step.
+    pub time_step: f64,
+    /// \[m/s\] Desired speed of everybody who leaves, instead of the usual one and those of kinds; or the speed that
+    /// everybody would reach alone, pushing along the direction.
+    pub speed: Option<f64>,
+    /// Whether everybody leaves, by doors, by the exits of `decision`, or by those of the drawing.
+    pub leave: bool,
+    /// Pushes.
+    pub pushes: Vec<Push>,
+    /// More of what people do, as in `decision.toml`.
+    pub decision: DecisionConfig,
+}
+
+impl Default for Scenario {
+    fn default() -> Scenario {
+        Scenario {
+            sides: None,
+            geometry: None,
+            drawing: DrawingForm::default(),
+            room: None,
+            doors: Vec::new(),
+            regions: Vec::new(),
+            number: None,
+            density: None,
+            seed: 1,
+            people: People::default(),
+            men: None,
+            pedestrians: None,
+            mix: BTreeMap::new(),
+            packing: Method::Dense,
+            orientation: None,
+            direction: None,
+            allow_overlap: false,
+            material: SKINS[0].to_owned(),
+            friction: None,
+            round: false,
+            time_step: 0.01,
+            speed: None,
+            leave: false,
+            pushes: Vec::new(),
+            decision: DecisionConfig::default(),
+        }
+    }
+}
+
+/// What was made of a scenario.
+#[derive(Debug)]
+pub struct Made {
+    /// The Trial.
+    pub trial: Trial,
+    /// Everybody, in the order of the Trial.
+    pub agents: Vec<Agent>,
+    /// Who was placed how.
+    pub crowd: Crowd,
+    /// The room.
+    pub place: Place,
+    /// The text of its drive.csv; empty without pushes.
+    pub drive: String,
+    /// Its decision.toml, and what it becomes.
+    pub decision: Option<(DecisionConfig, Plan)>,
+    /// What is probably not meant, and what was chosen.
+    pub notes: Vec<String>,
+}
+
+impl Scenario {
+    /// Reads a file. Paths in it are relative to its directory.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not TOML, or has unknown keys or values of another type.
+    pub fn read(files: &dyn Source, path: &Path) -> Result<Scenario> {
+        let named = |why: String| ScenarioError::Impossible(format!("{}: {why}", path.display()));
+        let text =
+            files.read_text(path, input::LARGEST_SETTINGS).map_err(|error| named(error.to_string()))?;
+        let mut read = Scenario::from_toml(&text).map_err(|error| named(error.to_string()))?;
+        let directory = path.parent().unwrap_or(Path::new(""));
+        read.each_path(|path| *path = directory.join(&*path));
+        Ok(read)
+    }
+
+    /// Reads TOML.
+    ///
+    /// # Errors
+    /// The text is not TOML, or has unknown keys or values of another type; with line and column.
+    pub fn from_toml(text: &str) -> Result<Scenario> {
+        toml::from_str(text).map_err(|error| ScenarioError::Impossible(error.to_string()))
+    }
+
+    /// Reads keys and values.
+    ///
+    /// # Errors
+    /// There are unknown keys, or values of another type.
+    pub fn from_table(table: toml::Table) -> Result<Scenario> {
+        // The key is on a line of its own.
+        let error = |error: toml::de::Error| impossible(error.to_string().trim_end().replace('\n', " "));
+        table.try_into().map_err(error)
+    }
+
+    /// Returns TOML, without keys that have their usual value.
+    ///
+    /// # Errors
+    /// A number is too large for TOML.
+    pub fn to_toml(&self) -> Result<String> {
+        let table = |of: &Scenario| {
+            toml::Table::try_from(of).map_err(|error| ScenarioError::Impossible(error.to_string()))
+        };
+        let (mut own, usual) = (table(self)?, table(&Scenario::default())?);
+        own.retain(|key, value| usual.get(key) != Some(value));
+        toml::to_string(&own).map_err(|error| ScenarioError::Impossible(error.to_string()))
+    }
+
+    /// Changes the paths of files.
+    pub fn each_path(&mut self, mut change: impl FnMut(&mut PathBuf)) {
+        self.geometry.iter_mut().for_each(&mut change);
+        match &mut self.people {
+            People::Custom { file } => change(file),
+            People::Tables { male, female } => male.iter_mut().chain(female).for_each(change),
+            People::Survey | People::Statistics { .. } | People::Fixed { .. } => {}
+        }
+    }
+
+    /// Returns the same with another value of a key, written as in TOML; `mix.child` is a key of a table.
+    ///
+    /// # Errors
+    /// There is no such key, or it has no such value. Whether the value fits to others is not checked.
+    pub fn with(&self, key: &str, value: &str) -> Result<Scenario> {
+        let text = || toml::Value::String(value.to_owned());
+        let read = toml::from_str::<toml::Table>(&format!("value = {value}"));
+        let value = read.ok().and_then(|mut table| table.remove("value")).unwrap_or_else(text);
+        let mut table =
+            toml::Table::try_from(self).map_err(|error| ScenarioError::Impossible(error.to_string()))?;
+        let (tables, last) = key.rsplit_once('.').map_or((None, key), |(tables, last)| (Some(tables), last));
+        let mut place = &mut table;
+        for name in tables.iter().flat_map(|tables| tables.split('.')) {
+            let inner = place.entry(name).or_insert_with(|| toml::Table::new().into());
+            place = inner.as_table_mut().ok_or_else(|| impossible(format!("{name} is no table")))?;
+        }
+        place.insert(last.to_owned(), value);
+        Scenario::from_table(table)
+    }
+
+    /// Draws and places people, at most so many, and makes the documents of their Trial. `watch` gets the progress of the
+    /// placing.
+    ///
+    /// # Errors
+    /// A value is not possible, people do not fit or cannot leave, or `watch` stopped the placing.
+    pub fn documents(&self, name: &str, most: u32, files: &dyn Source, watch: &mut Watch) -> Result<Made> {
+        self.check()?;
+        let population = self.population(files)?;
+        let drawn = self.drawn(files)?;
+        let place = self.place(files, drawn)?;
+        let numbers = self.numbers(&place)?;
+        let all = numbers.iter().sum::<usize>();
+        require(all <= most as usize, || format!("{all} people: the number must be 1 to {most}"))?;
+        let agents: Vec<Agent> = population.agents(self.seed).take(all).collect();
+        let crowd = self.crowd(&agents, &place, &numbers, watch)?;
+        let poses = crowd.packing.poses.iter().copied();
+        let placed: Vec<(Agent, Pose)> = agents.iter().cloned().zip(poses).collect();
+        let trial = self.trial(name, &placed, &crowd.shapes, &place.geometry)?;
+        let mut notes = place.notes.clone();
+        let decision = self.decision(&agents, &trial, &place, &mut notes);
+        let planned = |config: DecisionConfig| self.plan(&trial, &config).map(|plan| (config, plan));
+        let decision = decision.map(planned).transpose()?;
+        let drive = drive(&trial, &self.pushes)?;
+        Ok(Made { trial, agents, crowd, place, drive, decision, notes })
+    }
+
+    /// Checks what can be known before files are read.
+    ///
+    /// # Errors
+    /// A value is not possible, or does not fit to others; keys are between backticks.
+    pub fn check(&self) -> Result<()> {
+        let rooms = [
+            ("box", self.sides.is_some()),
+            ("geometry", self.geometry.is_some()),
+            ("room", self.room.is_some()),
+        ];
+        let given: Vec<_> = rooms.iter().filter(|(_, given)| *given).collect();
+        if let [(one, _), (other, _), ..] = given[..] {
+            return Err(ScenarioError::Misused(format!("`{one}` and `{other}`: a scenario has one room")));
+        }
+        let number = self.number.unwrap_or(1);
+        require((1..=MOST_PEOPLE).contains(&number), || {
+            format!("`number` = {number}: must be from 1 to {MOST_PEOPLE}")
+        })?;
+        let [width, height] = self.sides.map_or([1.0; 2], |sides| sides.0);
+        let good = [width, height].iter().all(|side| (0.1..=1e4).contains(side));
+        require(good, || format!("`box` = [{width}, {height}]: must be from 0.1 to 10000 m"))?;
+        self.doors.iter().try_for_each(DoorForm::check)?;
+        self.regions.iter().try_for_each(RegionForm::check)?;
+        for (key, value, [low, high]) in [
+            ("density", self.density, [1e-6, 100.0]),
+            ("men", self.men, [0.0, 1.0]),
+            ("pedestrians", self.pedestrians, [0.0, 1.0]),
+            ("direction", self.direction, [-360.0, 360.0]),
+            ("speed", self.speed, [0.0, 20.0]),
+            ("friction", self.friction, [0.0, 2.0]),
+            ("time_step", Some(self.time_step), [1e-6, 1.0]),
+        ] {
+            within(key, value.unwrap_or(low), [low, high])?;
+        }
+        require(SKINS.contains(&&*self.material), || {
+            format!("`material` = {:?}: must be one of {}", self.material, SKINS.join(", "))
+        })?;
+        require(!self.round || self.mix.is_empty(), || {
+            "round bodies are of adults with nothing: take no mix of kinds, or no round bodies".into()
+        })?;
+        self.people.check()?;
+        self.check_leaving()?;
+        let shares = forms::shares(&self.mix)?;
+        // A file of statistics may have kinds of its own.
+        if !shares.is_empty() && !matches!(self.people, People::Custom { .. }) {
+            Kinds::built_in()?.mix(&shares).of(|| "`mix`".into())?;
+        }
+        Ok(())
+    }
+}
+
+/// Checks that a number is in its range.
+pub(crate) fn within(key: &str, value: f64, [low, high]: [f64; 2]) -> Result<()> {
+    require((low..=high).contains(&value), || format!("`{key}` = {value}: must be from {low} to {high}"))
+}

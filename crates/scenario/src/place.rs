@@ -1,0 +1,280 @@
+//! Where people stand: the walls of the room, its doors, and the ground that walls leave.
+
+use crate::error::{Of, Result, ScenarioError, impossible};
+use crate::forms::{Pair, RegionForm};
+use crate::leave::no_way_out;
+use crate::{Scenario, WALLS};
+use lemons_core::files::source::Source as Files;
+use lemons_core::plane::{Bounds, Vec2, vec2};
+use lemons_core::trial::{Geometry, Wall};
+use lemons_people::drawing::{Format, LARGEST_DRAWING, Place as DrawnPlace, Read};
+use lemons_people::places::inside;
+use lemons_people::placing::{FreeSpace, Region};
+use lemons_people::{Door, PeopleError, closed_walls, cut_doors, walls};
+
+/// What to do about doors where walls have openings.
+const DOORS: &str = "a door is in a closed wall of the room where people stand (`box`, `geometry`): close the wall, and \
+                     give its opening as `doors`, too; or leave out `doors`: `regions` takes walls with \
+                     openings, and with `leave`, `exits` says where people leave";
+/// \[m\] About how broad people are across the shoulders.
+const NARROW: f64 = 0.5;
+
+/// Where people stand together.
+#[derive(Debug, Clone)]
+pub struct Ground {
+    /// What walls leave of it.
+    pub free: FreeSpace,
+    /// As messages call it.
+    pub name: String,
+    /// Number of people, or their density \[1/m²\]; neither: as the scenario says.
+    pub amount: (Option<u32>, Option<f64>),
+}
+
+/// Where people may stand, and its walls.
+#[derive(Debug, Clone)]
+pub struct Place {
+    /// At least one.
+    pub grounds: Vec<Ground>,
+    /// With doors.
+    pub geometry: Geometry,
+    /// \[m\] The walls that doors were cut into, without them.
+    pub lines: Vec<Vec<Vec2>>,
+    /// As the user named it.
+    pub name: String,
+    /// Whether the grounds are regions.
+    pub has_regions: bool,
+    /// The drawing that it is from; exits on its walls are doors.
+    pub drawn: Option<Read>,
+    /// Doors that were cut.
+    pub doors: Vec<Door>,
+    /// What was chosen, and what is probably not meant.
+    pub notes: Vec<String>,
+}
+
+impl Place {
+    /// Returns whether people stand in the open.
+    pub fn is_plane(&self) -> bool {
+        self.grounds[0].free.region.is_plane()
+    }
+
+    /// Returns the area of all grounds \[m²\].
+    pub fn area(&self) -> f64 {
+        self.grounds.iter().map(|ground| ground.free.region.area()).sum()
+    }
+}
+
+/// Walls without doors, and what they enclose.
+struct Walls {
+    geometry: Geometry,
+    whole: Result<Region, PeopleError>,
+    name: String,
+}
+
+impl Scenario {
+    /// Reads the drawing of the room, if it is one.
+    ///
+    /// # Errors
+    /// It cannot be read, or there are no walls in it; or it is no drawing, and is to be read as one.
+    pub fn drawn(&self, files: &dyn Files) -> Result<Option<Read>> {
+        let Some((path, format)) = self.geometry.as_ref().and_then(|path| Some((path, Format::of(path)?)))
+        else {
+            let usual = self.drawing == crate::DrawingForm::default();
+            return match usual {
+                true => Ok(None),
+                false => Err(ScenarioError::Misused(
+                    "`drawing` is for drawings: `geometry` FILE.dxf, .geojson, .wkt or .svg".into(),
+                )),
+            };
+        };
+        let named = || path.display().to_string();
+        let bytes = files.read(path, LARGEST_DRAWING);
+        let bytes = bytes.map_err(|error| impossible(format!("{}: {error}", named())))?;
+        Read::of(format, &bytes, &self.drawing.reading(), &self.drawing.settings()).of(named).map(Some)
+    }
+
+    fn walls(&self, files: &dyn Files, drawn: Option<&Read>, notes: &mut Vec<String>) -> Result<Walls> {
+        if let Some(Pair([width, height])) = self.sides {
+            let region = Region::rectangle(Vec2::zeros(), vec2(width, height)).of(|| "`box`".into())?;
+            let name = format!("a box of {width} m x {height} m");
+            return Ok(Walls { geometry: walls(region.rings(), WALLS), name, whole: Ok(region) });
+        }
+        if let Some(room) = &self.room {
+            let (whole, geometry) = room.uncut(WALLS)?;
+            return Ok(Walls { geometry, name: "the room".into(), whole: Ok(whole) });
+        }
+        let Some(path) = &self.geometry else {
+            let whole = Ok(Region::plane());
+            return Ok(Walls { geometry: walls(&[], ""), name: "the open".into(), whole });
+        };
+        let geometry = match drawn {
+            Some(read) => read.plan.geometry(WALLS),
+            None => {
+                let (geometry, warnings) = Geometry::read_from(files, path).map_err(ScenarioError::Files)?;
+                notes.extend(warnings.iter().map(ToString::to_string));
+                geometry
+            }
+        };
+        let whole = Region::from_walls(&geometry);
+        Ok(Walls { geometry, name: path.display().to_string(), whole })
+    }
+
+    /// Returns where people stand. `drawn` is what [`drawn`](Scenario::drawn) returned.
+    ///
+    /// # Errors
+    /// Walls do not bound a region, a region has no ground, or a door is not at a wall.
+    pub fn place(&self, files: &dyn Files, mut drawn: Option<Read>) -> Result<Place> {
+        let mut notes = Vec::new();
+        let Walls { geometry, whole, name } = self.walls(files, drawn.as_ref(), &mut notes)?;
+        let regions = self.regions_of(drawn.as_ref(), &mut notes)?;
+        if let Some(doubt) =
+            drawn.as_ref().and_then(|drawn| drawn.doubt.as_ref()).filter(|_| regions.is_empty())
+        {
+            return Err(impossible(format!(
+                "`geometry` {name}: where is the room? {doubt}. lemons room {name} --propose shows what the plan may be, \
+                 and the options that take it; `regions` says where people stand in the walls as they are drawn"
+            )));
+        }
+        let of_room = || match self.room {
+            Some(_) => "`room`".to_owned(),
+            None => format!("`geometry` {name}"),
+        };
+        // A drawing has open walls, too.
+        let outline = drawn.as_ref().and_then(|drawn| Some(&drawn.plan.walls[drawn.plan.outline?]));
+        let grounds = if let (Some(outline), Err(_), true) = (outline, &whole, regions.is_empty()) {
+            let free = Region::free_space(outline, &geometry, &[]).of(of_room)?;
+            vec![Ground { free, name: name.clone(), amount: (None, None) }]
+        } else if regions.is_empty() {
+            let region = whole.map_err(|error| match error {
+                PeopleError::OpenWall { .. } => {
+                    impossible(format!("{}: {error}; {}", of_room(), self.advice(&geometry)))
+                }
+                error => impossible(format!("{}: {error}", of_room())),
+            })?;
+            // All walls are closed; the others are within the outline.
+            let is_outline = |wall: &Wall| Bounds::of(wall.corners.iter().copied()) == region.bounds();
+            let ids = |outline: bool| {
+                let walls = geometry.fixed_walls().filter(|wall| is_outline(wall) == outline);
+                walls.map(|wall| wall.id.clone()).collect()
+            };
+            let (rooms, obstacles) = (ids(true), ids(false));
+            let free = FreeSpace { region, rooms, obstacles, walls: Vec::new() };
+            vec![Ground { free, name: name.clone(), amount: (None, None) }]
+        } else {
+            grounds(&regions, &geometry, &name)?
+        };
+        let has_regions = !regions.is_empty();
+        if let Some(room) = &self.room {
+            let (geometry, lines) = (room.with_doors(geometry)?, room.lines()?);
+            let doors = room.doors.clone();
+            return Ok(Place { grounds, geometry, lines, name, has_regions, drawn, doors, notes });
+        }
+        let closed = closed_walls(&geometry);
+        let doors = self.all_doors(drawn.as_mut());
+        if !doors.is_empty() && closed.is_empty() {
+            return Err(ScenarioError::Misused(format!(
+                "`doors`: there is no closed wall in {name}: {DOORS}"
+            )));
+        }
+        let cut = cut_doors(geometry.clone(), &doors).of(|| "`doors`".into())?;
+        self.check_doors(&doors, &grounds, &geometry, &mut notes)?;
+        let lines = closed.iter().map(|ring| ring.closed().to_vec()).collect();
+        let exits = self.decision.exits.as_ref().map_or(0, Vec::len);
+        let drawn_exits = drawn.as_ref().map_or(0, |drawn| drawn.plan.exits.len());
+        if self.leave && doors.len() + exits + drawn_exits == 0 {
+            return Err(no_way_out());
+        }
+        Ok(Place { grounds, geometry: cut, lines, name, has_regions, drawn, doors, notes })
+    }
+
+    /// People would walk into a pillar, or get stuck.
+    fn check_doors(
+        &self,
+        doors: &[Door],
+        grounds: &[Ground],
+        uncut: &Geometry,
+        notes: &mut Vec<String>,
+    ) -> Result<()> {
+        let closed = closed_walls(uncut);
+        let free = || grounds.iter().map(|ground| &ground.free);
+        for (number, door) in doors.iter().enumerate() {
+            if let Some(Wall { id, .. }) = door.wall(uncut)
+                && free().any(|free| free.obstacles.contains(id))
+                && !free().any(|free| free.rooms.contains(id))
+            {
+                let ([x, y], width): ([f64; 2], f64) = (door.at.into(), door.width);
+                return Err(impossible(format!(
+                    "`doors` {x},{y},{width}: the nearest closed wall is {id}, an obstacle: nobody stands inside it; {DOORS}"
+                )));
+            }
+            if door.width < NARROW {
+                notes.push(format!(
+                    "note: `doors`: door {number} is {} m wide: people are about {NARROW} m broad, and may get stuck",
+                    (door.width * 1e6).round() / 1e6
+                ));
+            }
+            // A corner lies between the ends of the gap.
+            if door.course(&closed).len() > 2 {
+                notes.push(format!(
+                    "note: `doors`: door {number} goes round a corner of its wall, because the corner is nearer than half \
+                     the width"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Those that were given, and those for the exits of a drawing that lie on its walls.
+    fn all_doors(&self, drawn: Option<&mut Read>) -> Vec<Door> {
+        let mut doors: Vec<Door> = self.doors.iter().map(|door| door.0.clone()).collect();
+        let Some(Read { plan, .. }) = drawn else { return doors };
+        let new = plan.doors();
+        doors.extend(new.iter().map(|(_, door)| door.clone()));
+        for (exit, _) in new.iter().rev() {
+            plan.exits.remove(*exit);
+        }
+        doors
+    }
+
+    /// The regions that were given, else those of the drawing.
+    fn regions_of(&self, drawn: Option<&Read>, notes: &mut Vec<String>) -> Result<Vec<RegionForm>> {
+        let Some(drawn) = drawn.filter(|_| self.regions.is_empty()) else { return Ok(self.regions.clone()) };
+        let placed = |place: &&DrawnPlace| inside(&drawn.plan, &place.corners).is_some();
+        for (k, place) in drawn.plan.distributions.iter().filter(placed).enumerate() {
+            notes.push(format!("region {k}: distribution {:?} of the drawing", place.name));
+        }
+        // Outside the walls nobody stands.
+        let cut = drawn.plan.distributions.iter().map(|place| inside(&drawn.plan, &place.corners));
+        let cut: Vec<_> = cut.flatten().map(|corners| RegionForm::of(&corners)).collect();
+        match drawn.plan.distributions.first() {
+            Some(first) if cut.is_empty() => Err(impossible(format!(
+                "distribution {:?} of the drawing is not on the ground: nobody can be placed there (`regions`)",
+                first.name
+            ))),
+            _ => Ok(cut),
+        }
+    }
+
+    /// What to do about a wall that is open.
+    fn advice(&self, geometry: &Geometry) -> String {
+        match Bounds::of(geometry.walls.iter().flat_map(|wall| wall.corners.iter().copied())) {
+            Some(Bounds { low, high }) if self.doors.is_empty() => format!(
+                "`regions` says where people stand among walls with openings, for example `regions` {},{},{},{}",
+                low.x, low.y, high.x, high.y
+            ),
+            _ => DOORS.to_owned(),
+        }
+    }
+}
+
+/// The ground of each region, in their order, among walls. `place` is as the user named the whole.
+fn grounds(regions: &[RegionForm], geometry: &Geometry, place: &str) -> Result<Vec<Ground>> {
+    let mut drawn: Vec<Region> = Vec::new();
+    let mut grounds = Vec::new();
+    for (k, region) in regions.iter().enumerate() {
+        let (name, corners) = (format!("region {k} of {place}"), region.corners());
+        let free = Region::free_space(&corners, geometry, &drawn).of(|| format!("`regions`: {name}"))?;
+        drawn.push(Region::polygon(&corners, &[]).of(|| "`regions`".into())?);
+        grounds.push(Ground { free, name, amount: (region.number, region.density) });
+    }
+    Ok(grounds)
+}
