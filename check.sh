@@ -65,7 +65,7 @@ python_tests() {
     stage python_environment
     stage extension
     # Two processes; the tests of a file share what they build.
-    stage "${signals[@]}" .venv/bin/python -m pytest "$1" -q -n 2 --dist loadfile "${marked[@]}"
+    stage "${signals[@]}" .venv/bin/python -m pytest "$1" -q -rs -n 2 --dist loadfile "${marked[@]}"
 }
 
 # One command line for all that cargo builds and tests, so that each crate is built once: others would choose other
@@ -238,6 +238,10 @@ fi
 printf '\n%-14s %8s %10s\n' stage "wall [s]" "CPU [s]"
 cat "$notes/times"
 awk '{ processor += $3 } END { printf "%-14s %8d %10d\n", "together", '$SECONDS', processor }' "$notes/times"
-[[ -f $notes/left_out ]] && sed 's/^/Left out. /' "$notes/left_out"
+but=
+if [[ -f $notes/left_out ]]; then
+    sed 's/^/Left out. /' "$notes/left_out"
+    but=", but for what was left out"
+fi
 ((failed)) && fail "not all passed"
-printf 'check.sh: %s passed.\n' "$*"
+printf 'check.sh: %s passed%s.\n' "$*" "$but"

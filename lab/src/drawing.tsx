@@ -213,7 +213,7 @@ function Proposals({ wanted, found, proposal, again }: ProposalsProps) {
     const take = (now: Door[] = doors) => again({ walls: layers("walls"), enclosing: { obstacles: layers("obstacles"), widest: proposal.widest }, close: wanted.close ?? proposal.close, doors: now });
     const [outline, ...obstacles] = proposal.ground;
     return (
-        <fieldset>
+        <fieldset class="fields">
             <legend>Proposals</legend>
             {found.doubt && (
                 <p role="alert" translate={false}>
@@ -293,7 +293,7 @@ function Layers({ wanted, layers, again }: { wanted: DrawingWanted; layers: stri
         if (next.length > 0) again({ walls: next.length === layers.length ? [] : next });
     };
     return (
-        <fieldset>
+        <fieldset class="fields">
             <legend>Layers with walls</legend>
             {layers.map((layer) => (
                 <label class="check" key={layer}>

@@ -186,7 +186,7 @@ pub struct Scene {
     pub corners: Vec<Corner>,
     /// For each face, those that continue it: at an end, turning by at most 20°, or lying on it.
     pub(super) joined: Vec<Vec<FaceId>>,
-    /// Pairs of faces that lie on each other. They act like one.
+    /// Pairs of faces that lie on each other, as many as join all that do. They act like one.
     pub doubled: Vec<(FaceId, FaceId)>,
     laws: LawTable,
     pub(super) face_grid: FaceGrid,
@@ -397,21 +397,31 @@ impl Scene {
         let mut scratch = Vec::new();
         for at in 0..self.corners.len() {
             let place = Circle { centre: self.corners[at].position, radius: 0.0 };
-            for &through in self.face_grid.candidates(&place, SAME_POINT, &mut scratch) {
-                let face = &self.faces[through.index()];
-                let (nearest, along) = nearest_on_face(face, place.centre);
-                let passes = along == Along::Inside && (nearest - place.centre).norm() <= SAME_POINT;
-                if !passes || self.corners[at].faces.contains(&through) {
-                    continue;
+            let found = self.face_grid.candidates(&place, SAME_POINT, &mut scratch);
+            let passes = |through: &FaceId| {
+                let (nearest, along) = nearest_on_face(&self.faces[through.index()], place.centre);
+                along == Along::Inside && (nearest - place.centre).norm() <= SAME_POINT
+            };
+            let ends = &self.corners[at].faces;
+            let through: Vec<FaceId> =
+                found.iter().copied().filter(|face| passes(face) && !ends.contains(face)).collect();
+            for end in ends {
+                let Some(away) = self.faces[end.index()].away_from(CornerId::from(at)) else { continue };
+                // Of those on which it lies, the one that goes furthest beside it touches whatever both the others and
+                // it touch: by such pairs all are joined, and there are at most two of each face.
+                let mut furthest: Option<(f64, FaceId)> = None;
+                for &other in &through {
+                    let face = &self.faces[other.index()];
+                    let goes = |to: Vec2| (to - place.centre).dot(&away);
+                    let far = goes(face.start).max(goes(face.end));
+                    if face.normal.dot(&away).abs() <= STRAIGHT && furthest.is_none_or(|(most, _)| far > most)
+                    {
+                        furthest = Some((far, other));
+                    }
                 }
-                self.corners[at].covered = true;
-                let lies_on = |end: &&FaceId| {
-                    let other = &self.faces[end.index()];
-                    other.normal != Vec2::zeros() && face.normal.perp(&other.normal).abs() <= STRAIGHT
-                };
-                let on = self.corners[at].faces.iter().filter(lies_on);
-                self.doubled.extend(on.map(|&end| (end.min(through), end.max(through))));
+                self.doubled.extend(furthest.map(|(_, other)| (*end.min(&other), *end.max(&other))));
             }
+            self.corners[at].covered |= !through.is_empty();
         }
         self.doubled.sort_unstable();
         self.doubled.dedup();
@@ -492,6 +502,8 @@ fn across(from: Vec2, to: Vec2) -> Vec2 {
 mod tests {
     use super::super::vec2;
     use super::*;
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
 
     fn scene(walls: &[&[(f64, f64)]]) -> Scene {
         let corners = |wall: &[(f64, f64)]| wall.iter().map(|&(x, y)| vec2(x, y)).collect();
@@ -550,11 +562,55 @@ mod tests {
         ]);
         assert_eq!(lines(&doubled), [0, 0, 0, 0]);
         let pairs: Vec<_> = doubled.doubled.iter().map(|(one, other)| (one.index(), other.index())).collect();
-        assert_eq!(pairs, [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3)]);
+        assert_eq!(pairs, [(0, 1), (0, 2), (0, 3), (1, 3)]);
         // One that ends on another, without lying on it.
         let tee = scene(&[&[(0.0, 0.0), (2.0, 0.0)], &[(1.0, 0.0), (1.0, 1.0)]]);
         assert_eq!((lines(&tee), tee.doubled.len()), (vec![0, 1], 0));
         assert!(tee.corners[2].covered && !tee.corners[3].covered);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(5), ..ProptestConfig::default() })]
+
+        /// The outside: all pairs that overlap, one by one. A disk that touches both touches faces that join them.
+        #[test]
+        fn a_few_pairs_join_all_that_lie_on_each_other(
+            all in prop::collection::vec((0..12i32, 1..7i32, any::<bool>()), 1..16),
+            angle in prop::sample::select(vec![0.0, 0.7, 1.5, 2.9]),
+        ) {
+            let place = |x: i32| (f64::from(x) * f64::cos(angle), f64::from(x) * f64::sin(angle));
+            let ends = |&(from, length, back): &(i32, i32, bool)| {
+                let ends = [place(from), place(from + length)];
+                if back { [ends[1], ends[0]] } else { ends }
+            };
+            let walls: Vec<[(f64, f64); 2]> = all.iter().map(ends).collect();
+            let scene = scene(&walls.iter().map(|wall| &wall[..]).collect::<Vec<_>>());
+            prop_assert!(scene.doubled.len() <= 2 * all.len());
+            for quarter in 0..76 {
+                // In quarters: so far the disk reaches.
+                let touched = |k: usize| {
+                    let (from, length, _) = all[k];
+                    4 * from <= quarter + 1 && 4 * (from + length) >= quarter - 1
+                };
+                for first in (0..all.len()).filter(|k| touched(*k)) {
+                    let mut reached = vec![first];
+                    let mut next = 0;
+                    while let Some(&face) = reached.get(next) {
+                        next += 1;
+                        for other in scene.joined[face].iter().map(|other| other.index()) {
+                            if touched(other) && !reached.contains(&other) {
+                                reached.push(other);
+                            }
+                        }
+                    }
+                    let (from, length, _) = all[first];
+                    for other in (0..all.len()).filter(|k| touched(*k)) {
+                        let overlap = from < all[other].0 + all[other].1 && all[other].0 < from + length;
+                        prop_assert!(!overlap || reached.contains(&other), "{first} and {other} at {quarter}");
+                    }
+                }
+            }
+        }
     }
 
     /// Rounding of the nearest points of two faces that lie on each other would choose between their materials.

@@ -7,6 +7,7 @@ use super::within::{Inside, outside_rooms, within_pillars};
 use crate::engine::{Body, CornerId, Face, FaceId, Scene, Vec2};
 use lemons_core::plane::{Bounds, vec2};
 use lemons_core::trial::{Agent, BODY_MASS_INDEX, FileNames, Problem, Wall, quoted};
+use std::collections::HashSet;
 
 /// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
 const RIM: [f64; 2] = [0.02, 3.0];
@@ -146,7 +147,9 @@ impl Setup<'_> {
             let wall = self.name_of_wall(scene, face);
             format!("wall {wall} from {:?},{:?} to {:?},{:?}", start.x, start.y, end.x, end.y)
         };
-        let (one, other, others) = (named(one), named(other), in_all(doubled.len(), "pairs"));
+        let faces: HashSet<FaceId> = doubled.iter().flat_map(|pair| [pair.0, pair.1]).collect();
+        let others = if doubled.len() > 1 { in_all(faces.len(), "faces") } else { String::new() };
+        let (one, other) = (named(one), named(other));
         Some(format!("{one} and {other} lie on each other{others}: they act like one wall{of_material}"))
     }
 

@@ -1,5 +1,6 @@
 """lemons_fmu: a crowd and runs of it are what plain FMPy and `lemons run` see; the package is typed and installs."""
 
+import dataclasses
 import json
 import os
 import pickle
@@ -16,7 +17,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from crowd import COLUMNS, REPOSITORY, TRIAL_DOOR, TRIAL_PUSH, ids_of, push_drive
-from lemons_fmu import CommandError, Crowd, Drive, SimulationError, State, simulate
+from lemons_fmu import CommandError, Crowd, Drive, SimulationError, State, plot, simulate
 from lemons_fmu.push import Push
 
 #: [s] What is interrupted ends long before.
@@ -293,6 +294,38 @@ def test_times_that_are_no_numbers_are_refused(time):
             crowd.run(until=time)
         with pytest.raises(SimulationError, match=start):
             crowd.reset(start=time)
+
+
+@pytest.mark.parametrize("lie", [np.asfortranarray, lambda array: array[..., ::-1].copy()[..., ::-1]], ids=["columns", "backwards"])
+def test_the_extension_reads_arrays_however_they_lie_in_memory(lemons, lie):
+    from lemons_fmu import _native
+
+    model = _native.Model.read(os.fspath(TRIAL_PUSH))
+    pushes = 100.0 + np.arange(15.0).reshape(5, 3)
+    drives = []
+    for array in (pushes, lie(pushes)):
+        simulation = _native.Simulation(model, "jacobi")
+        simulation.begin(0.0)
+        simulation.push(array)
+        drives.append(simulation.drive())
+    assert (drives[0] == pushes).all() and (drives[1] == pushes).all()
+    active = np.array([True, False, True, True, True])
+    simulation.set_active(lie(active))
+    simulation.step_to(0.05)
+    assert (simulation.observe()[:, _native.NUMBERS.index("active")] == active).all()
+    ends = []
+    for order in (np.ascontiguousarray, lie):
+        simulation = _native.Simulation(model, "jacobi")
+        simulation.begin(0.0)
+        recording = _native.Recording(simulation, 0.1, 0.05, True)
+        recording.push([1, 4], order(np.arange(12.0).reshape(2, 2, 3)))
+        recording.advance(simulation, 2, 600.0)
+        ends.append(simulation.observe())
+    assert (ends[0] == ends[1]).all()
+    with Crowd(TRIAL_PUSH) as crowd:
+        run = crowd.run(until=0.5)
+    again = dataclasses.replace(run, times=lie(run.times), numbers=lie(run.numbers))
+    assert plot(again, at=[0.5]).data == plot(run, at=[0.5]).data
 
 
 def test_the_extension_refuses_what_has_another_shape(drive):

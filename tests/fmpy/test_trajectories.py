@@ -211,6 +211,15 @@ def test_what_is_not_known_is_not_drawn(corridor, tmp_path):
             measure(TRIAL_DOOR, **option)
 
 
+def test_what_comes_of_hdf5_names_the_users_file(corridor, tmp_path):
+    _, hdf5 = corridor
+    with pytest.warns(UserWarning, match=re.escape(f"{hdf5}: trajectories without forces")) as told:
+        picture = plot(hdf5, at=[5.0]).data.decode()
+        measure(hdf5, output="measured")
+    texts = [*(str(each.message) for each in told), picture, Path("measured/summary.json").read_text()]
+    assert not any("/lemons-" in text for text in texts)
+
+
 def test_damaged_hdf5_is_refused_in_words(corridor, tmp_path):
     h5py = pytest.importorskip("h5py")
     _, good = corridor

@@ -8,6 +8,7 @@ use lemons_core::trial::Trial;
 use lemons_decision::Plan;
 use lemons_results::Run;
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -20,6 +21,15 @@ pub struct InMemory {
     pub trial: Trial,
     /// What its people want.
     pub plan: Option<Plan>,
+}
+
+/// An operand that is elsewhere than in the file which its name says.
+#[derive(Debug)]
+pub enum Held {
+    /// A run in memory.
+    Run(Arc<InMemory>),
+    /// A database of trajectories.
+    Database(PathBuf),
 }
 
 /// Result of a command.
@@ -40,13 +50,13 @@ pub struct Done {
 /// The command that writes files: they are those of one command at a time.
 static WRITING: Mutex<()> = Mutex::new(());
 
-/// Calls a command, with its name and arguments as words. `run` is its operand, if that is in memory. It ends soon after
+/// Calls a command, with its name and arguments as words. `held` is its operand, if that is elsewhere. It ends soon after
 /// `stop` is set, if it takes long.
 ///
 /// # Errors
 /// The message of the command, with what it noted before.
-pub fn call(words: &[OsString], run: Option<Arc<InMemory>>, stop: Arc<AtomicBool>) -> Result<Done, String> {
-    let (done, said, notes) = interrupt::stopped_by(stop, || print::caught(|| dispatch(words, run)));
+pub fn call(words: &[OsString], held: Option<Held>, stop: Arc<AtomicBool>) -> Result<Done, String> {
+    let (done, said, notes) = interrupt::stopped_by(stop, || print::caught(|| dispatch(words, held)));
     match done {
         Ok(done) => Ok(Done { said, notes, ..done }),
         Err(error) => {
@@ -56,7 +66,12 @@ pub fn call(words: &[OsString], run: Option<Arc<InMemory>>, stop: Arc<AtomicBool
     }
 }
 
-fn dispatch(words: &[OsString], run: Option<Arc<InMemory>>) -> Result<Done> {
+fn dispatch(words: &[OsString], held: Option<Held>) -> Result<Done> {
+    let (run, database) = match held {
+        Some(Held::Run(run)) => (Some(run), None),
+        Some(Held::Database(path)) => (None, Some(path)),
+        None => (None, None),
+    };
     let _one = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
     let words = [OsString::from("lemons")].into_iter().chain(words.iter().cloned());
     // As one sentence, without the usage.
@@ -69,20 +84,20 @@ fn dispatch(words: &[OsString], run: Option<Arc<InMemory>>) -> Result<Done> {
     let mut done = Done::default();
     match command? {
         Command::Plot(mut arguments) => {
-            arguments.source.memory = run;
+            arguments.source.hold(run, database);
             done.picture = crate::pictures::plot::drawn(&arguments)?;
         }
         Command::Movie(mut arguments) => {
-            arguments.source.memory = run;
+            arguments.source.hold(run, database);
             crate::pictures::movie::movie(&arguments)?;
         }
         Command::Measure(mut arguments) => {
-            arguments.source.memory = run;
+            arguments.source.hold(run, database);
             let measured = crate::measure::measured(&mut arguments)?;
             (done.summary, done.tables) = (measured.json, measured.tables);
         }
         Command::Export(mut arguments) => {
-            arguments.memory = run;
+            (arguments.memory, arguments.reading.database) = (run, database);
             crate::export::export(&arguments)?;
         }
         other => crate::execute(other)?,

@@ -49,7 +49,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
     #[command(flatten)]
-    reading: ReadingArguments,
+    pub reading: ReadingArguments,
     #[command(flatten)]
     _force: Force,
     /// The run itself; the source is what messages call it.
@@ -229,7 +229,8 @@ impl Arguments {
         if let Some((_, mistake)) = mistakes.iter().find(|(is_made, _)| *is_made) {
             bail!(Misused((*mistake).into()));
         }
-        let tables = self.memory.is_none().then_some(&self.source).into_iter().chain(&self.more);
+        let is_held = self.memory.is_some() || self.reading.database.is_some();
+        let tables = (!is_held).then_some(&self.source).into_iter().chain(&self.more);
         tables.into_iter().try_for_each(|path| expect_table(path))
     }
 

@@ -34,6 +34,9 @@ pub struct ReadingArguments {
     /// are taken. Default: the walkable area in the file, if it has one
     #[arg(long, help_heading = HEADING, value_name = "DRAWING, TRIAL or FILE.fmu")]
     geometry: Option<PathBuf>,
+    /// A database that is read in the place of the file, which messages name.
+    #[arg(skip)]
+    pub database: Option<PathBuf>,
 }
 
 /// How trajectories are shown and measured, too.
@@ -58,13 +61,30 @@ impl ReadingArguments {
             ("--fps", self.fps.is_some()),
             ("--geometry", self.geometry.is_some()),
         ];
-        is_for(path, &given)
+        self.holds(path, &given)
+    }
+
+    /// Returns whether a file holds trajectories.
+    ///
+    /// # Errors
+    /// It does not, and one of these options is given; or it cannot be read.
+    fn holds(&self, path: &Path, given: &[(&str, bool)]) -> Result<bool> {
+        let holds = self.database.is_some() || path.is_file() && holds_trajectories(path)?;
+        match given.iter().find(|(_, given)| *given && !holds) {
+            Some((option, _)) => bail!(Misused(format!(
+                "{option}: {} holds no trajectories of experiments or of other simulators ({READ})",
+                path.display()
+            ))),
+            None => Ok(holds),
+        }
     }
 
     /// Opens trajectories.
     pub fn open(&self, path: &Path, velocity_over: f64) -> Result<Record> {
         let unit = self.unit.as_deref().map(|unit| if unit == "cm" { 100.0 } else { 1.0 });
-        let record = Record::of_others(path, &Told { per_metre: unit, rate: self.fps, velocity_over })?;
+        let held = self.database.as_deref().unwrap_or(path);
+        let told = Told { per_metre: unit, rate: self.fps, velocity_over };
+        let record = Record::of_others_in(path, held, &told)?;
         for line in record.trajectories().iter().flat_map(|trajectories| &trajectories.notes) {
             note!("{}: {line}", path.display());
         }
@@ -131,25 +151,10 @@ fn plan(format: Format, bytes: &[u8]) -> Result<Plan> {
     Ok(Plan::of(drawing, &PlanSettings::default())?)
 }
 
-/// Returns whether a file holds trajectories.
-///
-/// # Errors
-/// It does not, and one of these options is given; or it cannot be read.
-fn is_for(path: &Path, given: &[(&str, bool)]) -> Result<bool> {
-    let holds = path.is_file() && holds_trajectories(path)?;
-    match given.iter().find(|(_, given)| *given && !holds) {
-        Some((option, _)) => bail!(Misused(format!(
-            "{option}: {} holds no trajectories of experiments or of other simulators ({READ})",
-            path.display()
-        ))),
-        None => Ok(holds),
-    }
-}
-
 impl TrajectoryArguments {
     /// Checks that options are given for trajectories only, and returns whether the file holds some.
     pub fn is_for(&self, path: &Path) -> Result<bool> {
-        is_for(
+        self.reading.holds(
             path,
             &[("--velocity-over", self.velocity_over.is_some()), ("--radius", self.radius.is_some())],
         )?;

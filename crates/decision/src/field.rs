@@ -76,8 +76,8 @@ const NO_GATE: u32 = u32::MAX;
 
 /// \[m\] Who arrives so near to a door is at it: rounding.
 const AT_DOOR: f64 = 1e-6;
-/// \[m\] What is so near to a wall lies on it: slanted lines are written in millimetres.
-const ON_WALL: f64 = 0.002;
+/// \[m\] What is so near to a wall lies on it: ends of slanted lines, and of walls, are written in whole centimetres.
+const ON_WALL: f64 = 0.015;
 
 /// Doors of straight pieces.
 #[derive(Debug, Clone, Default)]

@@ -336,14 +336,15 @@ fn who_is_slow_crosses_any_line_in_the_time_of_the_way() {
 }
 
 /// The outside: by hand. A room, turned by any angle, has a door of 1.2 m in a wall, and the line of the exit lies on this
-/// wall: between the posts, or along the wall as well, where nobody leaves. All is written in millimetres. Who stands
-/// before the door walks straight on; the others keep clear of the wall.
+/// wall: between the posts, or along the wall as well, where nobody leaves. All is written in millimetres, or in
+/// centimetres. Who stands before the door walks straight on; the others keep clear of the wall.
 #[test]
 fn an_exit_on_the_line_of_a_wall_is_left_by_its_door() {
-    for k in 0..12 {
-        let angle = [7.0f64, 30.0, 45.0, 63.0, 117.0, 211.0][k % 6].to_radians();
+    for k in 0..24 {
+        let angle = [7.0f64, 30.0, 45.0, 63.0, 117.0, 211.0, 19.0, 81.0][k % 8].to_radians();
         let turn = lemons_core::plane::rotation(angle);
-        let put = |(x, y): (f64, f64)| (turn * vec2(x, y)).map(|value| (1e3 * value).round() / 1e3);
+        let digits = if k < 12 { 1e3 } else { 1e2 };
+        let put = |(x, y): (f64, f64)| (turn * vec2(x, y)).map(|value| (digits * value).round() / digits);
         let room = [(6.0, 2.6), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0), (6.0, 1.4)];
         // The grid begins elsewhere.
         let far = -3.0 - 0.013 * k as f64;

@@ -3,9 +3,11 @@
 use crate::CommandError;
 use crate::model::Model;
 use crate::recording::{duration, frame_of, is_width};
-use lemons_cli::embedded::{Done, InMemory, call};
+use crate::simulation::in_order;
+use lemons_cli::embedded::{Done, Held, InMemory, call};
 use lemons_results::Run;
 use lemons_sim::Documents;
+use numpy::ndarray::ArrayView2;
 use numpy::{PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -32,16 +34,21 @@ type Made<'py> = (String, Vec<String>, Bound<'py, PyBytes>, String, Vec<(&'stati
 
 #[pymethods]
 impl Task {
-    /// Begins a command: its name and arguments. `run` is its operand, if that is in memory.
+    /// Begins a command: its name and arguments. `held` is its operand, if that is a run in memory, or the path of a
+    /// database in the place of the file that is named.
     #[new]
-    #[pyo3(signature = (words, run=None))]
-    fn new(words: Vec<OsString>, run: Option<&Bound<'_, PyAny>>) -> PyResult<Task> {
-        let run = run.map(in_memory).transpose()?.map(Arc::new);
+    #[pyo3(signature = (words, held=None))]
+    fn new(words: Vec<OsString>, held: Option<&Bound<'_, PyAny>>) -> PyResult<Task> {
+        let held = held.map(|held| match held.extract::<PathBuf>() {
+            Ok(path) => Ok(Held::Database(path)),
+            Err(_) => in_memory(held).map(|run| Held::Run(Arc::new(run))),
+        });
+        let held = held.transpose()?;
         let (stop, (send, done)) = (Arc::new(AtomicBool::new(false)), channel());
         let flag = stop.clone();
         let work = move || {
             // Nobody waits for it any more if this fails.
-            let _ = send.send(call(&words, run, flag));
+            let _ = send.send(call(&words, held, flag));
         };
         Builder::new().name("lemons".into()).stack_size(STACK).spawn(work)?;
         Ok(Task { stop, done: Mutex::new(done) })
@@ -83,7 +90,7 @@ fn in_memory(run: &Bound<'_, PyAny>) -> PyResult<InMemory> {
     let leaving: bool = run.getattr("leaving")?.extract()?;
     let ids: Vec<String> = run.getattr("ids")?.extract()?;
     let each = numbers.shape()[2];
-    let moments = times.as_slice()?;
+    let moments = in_order(&times);
     let is_whole = numbers.shape()[..2] == [moments.len(), ids.len()]
         && ids.len() == model.documents.trial.agents.len()
         && moments.iter().all(|time| time.is_finite())
@@ -93,9 +100,11 @@ fn in_memory(run: &Bound<'_, PyAny>) -> PyResult<InMemory> {
             "the times or numbers of the run are not those of its people, or of another version",
         ));
     }
-    let numbers = numbers.as_slice()?.chunks_exact((ids.len() * each).max(1));
-    let frames = moments.iter().zip(numbers);
-    let frames = frames.map(|(time, numbers)| frame_of(*time, numbers, each, leaving)).collect();
+    let numbers = numbers.as_array();
+    let frame = |(time, numbers): (&f64, ArrayView2<'_, f64>)| {
+        frame_of(*time, numbers.as_standard_layout().as_slice().unwrap_or_default(), each, leaving)
+    };
+    let frames = moments.iter().zip(numbers.outer_iter()).map(frame).collect();
     let run = Run { source: run.repr()?.to_string().into(), ids, frames };
     let Documents { trial, plan, .. } = &model.documents;
     Ok(InMemory { run, trial: trial.clone(), plan: plan.clone() })

@@ -1,7 +1,7 @@
 //! A run under way, and what is recorded of it.
 
 use crate::model::check_leaving;
-use crate::simulation::{Simulation, check_finite, check_shape, refused};
+use crate::simulation::{Simulation, check_finite, check_shape, in_order, refused};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_results::Frame;
 use lemons_results::columns::{ALL, FIRST_TOTAL, Groups, LEGS, MOTION, Row};
@@ -142,9 +142,9 @@ impl Recording {
             return Err(PyIndexError::new_err(format!("agent {agent}: there are {} agents", self.people)));
         }
         check_shape(pushes.shape(), &[self.clock.steps as usize, agents.len(), 3])?;
-        let pushes = pushes.as_slice()?;
-        check_finite(pushes, |k| agents[k % agents.len()])?;
-        (self.pushed, self.pushes) = (agents, pushes.to_vec());
+        let pushes = in_order(&pushes);
+        check_finite(&pushes, |k| agents[k % agents.len()])?;
+        (self.pushed, self.pushes) = (agents, pushes);
         Ok(())
     }
 

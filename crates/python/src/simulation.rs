@@ -7,8 +7,9 @@ use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_core::files::words::shortened;
 use lemons_sim::settings::Value;
 use lemons_sim::{Algorithm, SimError};
+use numpy::ndarray::Dimension;
 use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray, PyReadonlyArray1, PyReadonlyArray2,
     PyUntypedArrayMethods,
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -59,6 +60,11 @@ pub fn text_of(value: &Bound<'_, PyAny>) -> PyResult<String> {
         let text = value.repr()?;
         Err(PyTypeError::new_err(format!("{text} is neither a number, nor True or False, nor a text")))
     }
+}
+
+/// Returns the numbers of an array, those of the last index beside each other, however they lie in memory.
+pub fn in_order<D: Dimension>(array: &PyReadonlyArray<'_, f64, D>) -> Vec<f64> {
+    array.as_array().iter().copied().collect()
 }
 
 /// Checks that an array has a shape.
@@ -143,8 +149,8 @@ impl Simulation {
     /// Pushes everybody: Fp.x, Fp.y \[N\], Mp \[N.m\], shape (N, 3).
     fn push(&mut self, pushes: PyReadonlyArray2<'_, f64>) -> PyResult<()> {
         check_shape(pushes.shape(), &[self.simulation.ids().len(), 3])?;
-        let pushes = pushes.as_slice()?;
-        check_finite(pushes, |k| k)?;
+        let pushes = in_order(&pushes);
+        check_finite(&pushes, |k| k)?;
         for (agent, push) in pushes.chunks_exact(3).enumerate() {
             let push = Wrench { force: vec2(push[0], push[1]), torque: push[2] };
             self.simulation.push(agent, push);
@@ -163,7 +169,7 @@ impl Simulation {
     /// Takes people out, or lets them come back.
     fn set_active(&mut self, active: PyReadonlyArray1<'_, bool>) -> PyResult<()> {
         check_shape(active.shape(), &[self.simulation.ids().len()])?;
-        for (agent, active) in active.as_slice()?.iter().enumerate() {
+        for (agent, active) in active.as_array().iter().enumerate() {
             self.simulation.set_present(agent, *active);
         }
         Ok(())

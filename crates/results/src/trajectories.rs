@@ -252,12 +252,20 @@ impl Record {
     /// The file cannot be read, is none of [`READ`], does not say its frame rate or unit, or something in it is wrong; the
     /// message names line or row, column and value.
     pub fn of_others(path: &Path, told: &Told) -> Result<Record, RecordError> {
-        let found = match kind_of(path)? {
+        Record::of_others_in(path, path, told)
+    }
+
+    /// Opens trajectories as [`Record::of_others`]; `held` is the file that is read in the place of the one that is named.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn of_others_in(path: &Path, held: &Path, told: &Told) -> Result<Record, RecordError> {
+        let found = match kind_of(held)? {
             (file, Some(Kind::Text)) => text::read(path, file, told)?,
             (file, Some(Kind::Table)) => columns::read(path, file, told)?,
             (file, Some(Kind::Fcd)) => fcd::read(path, file, told)?,
             #[cfg(feature = "sqlite")]
-            (_, Some(Kind::Database)) => sqlite::read(path, told)?,
+            (_, Some(Kind::Database)) => sqlite::read(path, held, told)?,
             #[cfg(not(feature = "sqlite"))]
             (_, Some(Kind::Database)) => {
                 return Err(RecordError::wrong(

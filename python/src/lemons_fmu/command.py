@@ -16,6 +16,8 @@ from . import _native
 from ._native import CommandError as CommandError
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from .record import Run
 
 #: The value of an option: True is the option alone; False and None leave it out; a sequence is joined with commas, and one of
@@ -67,8 +69,8 @@ def _each(value: Sequence[Single] | Sequence[Sequence[Single]]) -> list[Sequence
     return nested
 
 
-def call(words: Sequence[str | os.PathLike[str]], run: Run | None = None) -> Made:
-    """Calls a command; `run` is its operand, if that is in memory. What it notes becomes warnings.
+def call(words: Sequence[str | os.PathLike[str]], held: Run | Path | None = None) -> Made:
+    """Calls a command; `held` is its operand, if that is a run in memory, or a database in the place of the file that is named. What it notes becomes warnings.
 
     Raises:
         CommandError: it fails.
@@ -76,7 +78,7 @@ def call(words: Sequence[str | os.PathLike[str]], run: Run | None = None) -> Mad
     # The libraries that it packs lie beside the program.
     with suppress(FileNotFoundError):
         _native.look_in(os.path.dirname(os.path.abspath(program())))
-    task = _native.Task([os.fspath(word) for word in words], run)
+    task = _native.Task([os.fspath(word) for word in words], held)
     try:
         while (result := task.wait(0.1)) is None:
             pass

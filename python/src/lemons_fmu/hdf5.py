@@ -55,8 +55,9 @@ def _h5py() -> Any:
 
 
 @contextmanager
-def source(what: str | os.PathLike[str] | Run) -> Iterator[tuple[str, Run | None]]:
-    """Yields what commands read: a path, or what a run is called and the run. Of HDF5 it is a database that is there meanwhile.
+def source(what: str | os.PathLike[str] | Run) -> Iterator[tuple[str, Run | Path | None]]:
+    """Yields what commands read: a path, or what a run is called and the run. Of HDF5 it is the path, and that of a database which is
+    there meanwhile.
 
     Raises:
         CommandError: the file holds no trajectories, or they are wrong.
@@ -70,10 +71,7 @@ def source(what: str | os.PathLike[str] | Run) -> Iterator[tuple[str, Run | None
         with tempfile.TemporaryDirectory(prefix="lemons-") as directory:
             database = Path(directory) / Path(what).name
             _to_database(Path(what), database)
-            try:
-                yield str(database), None
-            except CommandError as error:
-                raise CommandError(str(error).replace(str(database), os.fspath(what))) from error
+            yield os.fspath(what), database
 
 
 def _to_database(path: Path, database: Path) -> None:

@@ -99,10 +99,7 @@ def measure(
     known: dict[str, Option] = {"trial": trial, "above": list(above) or None, **others}
     with source(what) as (path, run):
         made = call(["measure", *words, *options(known), "--", path], run)
-    summary = json.loads(made.summary)
-    if isinstance(what, (str, os.PathLike)):
-        summary["source"] = os.fspath(what)
-    return Measures(summary, *(_table(text) for _, text in made.tables))
+    return Measures(json.loads(made.summary), *(_table(text) for _, text in made.tables))
 
 
 def _joined(numbers: Sequence[float]) -> str:

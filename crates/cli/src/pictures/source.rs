@@ -44,7 +44,7 @@ pub struct Source {
     others: TrajectoryArguments,
     /// The run itself; the path is what messages call it.
     #[arg(skip)]
-    pub memory: Option<Arc<InMemory>>,
+    memory: Option<Arc<InMemory>>,
 }
 
 /// Communication steps of a run that is made to be shown: its table is a temporary file.
@@ -65,6 +65,11 @@ pub struct Opened {
 }
 
 impl Source {
+    /// Takes what it names from memory, or from a database.
+    pub fn hold(&mut self, run: Option<Arc<InMemory>>, database: Option<PathBuf>) {
+        (self.memory, self.others.reading.database) = (run, database);
+    }
+
     /// Opens it: a Trial or an FMU is run until then; without an end it is shown as it begins.
     pub fn open(&self, until: Option<Until>, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Opened> {
         let (trial, found) = self.find(until, wanted.clone(), interrupt)?;
@@ -121,7 +126,7 @@ impl Source {
         if !self.more.is_empty() && (runs || of_others || self.path.is_dir()) {
             bail!(Misused(format!("{path}: is no table: only tables of one run can be several")));
         }
-        if !runs && self.memory.is_none() {
+        if !runs && self.memory.is_none() && self.others.reading.database.is_none() {
             [&self.path].into_iter().chain(&self.more).try_for_each(|path| expect_table(path))?;
         }
         let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };

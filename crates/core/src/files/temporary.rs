@@ -48,6 +48,10 @@ fn remove(path: &Path) -> io::Result<()> {
     if !path.symlink_metadata()?.is_dir() {
         return std::fs::remove_file(path);
     }
+    // An empty one is removed without a file handle.
+    if std::fs::remove_dir(path).is_ok() {
+        return Ok(());
+    }
     // One directory at a time is open, other than in `remove_dir_all`: perhaps no more file handles are available.
     let entries: io::Result<Vec<PathBuf>> = std::fs::read_dir(path)?.map(|entry| Ok(entry?.path())).collect();
     entries?.iter().try_for_each(|path| remove(path))?;

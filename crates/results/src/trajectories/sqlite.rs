@@ -29,12 +29,12 @@ const LONGEST: Duration = Duration::from_secs(600);
 /// Columns of the table, in the order in which they are read.
 const COLUMNS: [&str; 6] = ["frame", "id", "pos_x", "pos_y", "ori_x", "ori_y"];
 
-pub(super) fn read(path: &Path, told: &Told) -> Result<Found, RecordError> {
-    read_within(path, told, MOST_OPERATIONS)
+pub(super) fn read(path: &Path, held: &Path, told: &Told) -> Result<Found, RecordError> {
+    read_within(path, held, told, MOST_OPERATIONS)
 }
 
 /// Reads it with at most so many operations.
-fn read_within(path: &Path, told: &Told, operations: i32) -> Result<Found, RecordError> {
+fn read_within(path: &Path, held: &Path, told: &Told, operations: i32) -> Result<Found, RecordError> {
     let wrong = |message: String| RecordError::wrong(path, message);
     let broken = |error: rusqlite::Error| match error.sqlite_error_code() {
         Some(ErrorCode::OperationInterrupted) => wrong(format!(
@@ -45,7 +45,7 @@ fn read_within(path: &Path, told: &Told, operations: i32) -> Result<Found, Recor
     };
     // What is not yet in the file itself would be missing.
     for end in ["-wal", "-journal"] {
-        let mut beside = path.as_os_str().to_owned();
+        let mut beside = held.as_os_str().to_owned();
         beside.push(end);
         if PathBuf::from(beside).metadata().is_ok_and(|there| there.len() > 0) {
             return Err(wrong(format!(
@@ -53,7 +53,7 @@ fn read_within(path: &Path, told: &Told, operations: i32) -> Result<Found, Recor
             )));
         }
     }
-    let database = open(path, operations).map_err(broken)?;
+    let database = open(held, operations).map_err(broken)?;
     let tables = tables(&database).map_err(broken)?;
     let table = |name: &str| tables.iter().any(|table| table == name);
     for name in ["trajectory_data", "metadata"] {
@@ -244,7 +244,7 @@ mod tests {
             CREATE TABLE frame_data (frame INTEGER, geometry_hash INTEGER);
             WITH RECURSIVE n(k) AS (SELECT 0 UNION ALL SELECT k + 1 FROM n WHERE k < 9999) INSERT INTO frame_data SELECT k, 1 FROM n;";
         database.execute_batch(tables).unwrap();
-        let read = |operations| read_within(&path, &Told::default(), operations);
+        let read = |operations| read_within(&path, &path, &Told::default(), operations);
         assert_eq!(
             read(100_000).unwrap().frames.map(|all| (all.first, all.last, all.step)),
             Some((0, 9999, 1))
