@@ -10,8 +10,9 @@ use std::collections::BTreeSet;
 
 /// \[m\] Whoever is this near to an exit, or the area of a goal, is there: on a line by rounding errors there is no way to it.
 const ROUNDING: f64 = 1e-6;
-/// \[m\] Whoever is this near to the line of a goal is there.
-const NEAR: f64 = 0.3;
+/// \[m\] Whoever is this near to the line of a goal is there, and whoever is this near to a wall along which an exit is an area:
+/// shoulders let nobody nearer.
+pub const NEAR: f64 = 0.3;
 /// \[m\] Nearer than this to the line or the middle of a goal, people walk more and more slowly.
 const SLOW: f64 = 1.0;
 /// Steps of the grid on foot from a line, where metres may count four times, beyond which the way to it is not straight.
@@ -175,6 +176,8 @@ pub struct Ways {
     grid: Grid,
     shapes: Vec<Shape>,
     stay: Vec<bool>,
+    /// \[m\] From how far each is reached: an exit along a wall is, where bodies get no nearer.
+    reach: Vec<f64>,
     /// Distances to each target, if somebody goes there.
     to_each: Vec<Option<Field>>,
     /// Distances to the nearest exit, if somebody goes there.
@@ -222,8 +225,13 @@ impl Ways {
         let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
         let to_nearest = wanted.contains(&Destination::NearestExit).then(|| field(&exits));
         let stay = targets.iter().map(|target| target.stay).collect();
+        let reach = |(shape, target): (&Shape, &Target)| match shape {
+            Shape::Area(ring, middle) if !target.stay => NEAR - grid.clearance(ring, *middle, NEAR),
+            _ => 0.0,
+        };
+        let reach = shapes.iter().zip(targets).map(reach).collect();
         let (widths, doors, gates) = Default::default();
-        Ok(Ways { grid, shapes, stay, to_each, to_nearest, widths, doors, gates })
+        Ok(Ways { grid, shapes, stay, reach, to_each, to_nearest, widths, doors, gates })
     }
 
     /// Measures how wide the ways to each target are.
@@ -317,7 +325,11 @@ impl Ways {
         at: Vec2,
         open: impl Fn(usize) -> bool,
     ) -> Option<Arrival> {
-        let holds = |k: &usize| open(*k) && self.shapes[*k].holds(from, at, self.stay[*k]);
+        let holds = |k: &usize| {
+            let (shape, reach) = (&self.shapes[*k], self.reach[*k]);
+            let is_near = |place: Vec2| (place - at).norm() <= reach && self.grid.sees(at, place);
+            open(*k) && (shape.holds(from, at, self.stay[*k]) || reach > 0.0 && is_near(shape.nearest(at)))
+        };
         let target = self.targets(to).find(holds)?;
         Some(if self.stay[target] { Arrival::Stays } else { Arrival::Leaves })
     }
@@ -392,5 +404,25 @@ mod tests {
         let ways = Ways::new(&[], &[exit], people.into_iter()).unwrap();
         let arrived = |at| ways.arrived(Destination::NearestExit, at, at, |_| true);
         assert_eq!((arrived(beside), arrived(on)), (None, Some(Arrival::Leaves)));
+    }
+
+    /// The outside: by hand. Bodies keep 0.2 m to 0.3 m from the wall at x = 10 m.
+    #[test]
+    fn an_area_along_a_wall_is_reached_from_beside_it() {
+        let wall = vec![vec2(10.0, 0.0), vec2(10.0, 8.0)];
+        let left = |depth: f64, at: Vec2| {
+            let corners = vec![[10.0 - depth, 2.0], [10.0, 2.0], [10.0, 6.0], [10.0 - depth, 6.0]];
+            let exit = Target { name: "a".into(), stay: false, corners, open: Vec::new(), time_factor: 1.0 };
+            let people = std::iter::once((at, Destination::NearestExit));
+            let ways = Ways::new(std::slice::from_ref(&wall), &[exit], people).unwrap();
+            ways.arrived(Destination::NearestExit, at, at, |_| true).is_some()
+        };
+        for depth in [0.06, 0.15, 0.25] {
+            assert_eq!([9.71, 9.69].map(|x| left(depth, vec2(x, 4.0))), [true, false], "{depth}");
+            // Beside its end, and behind the wall.
+            assert!(!left(depth, vec2(9.8, 6.3)) && !left(depth, vec2(10.05, 4.0)));
+        }
+        // Where bodies get into the area, they have to.
+        assert_eq!([9.51, 9.49].map(|x| left(0.5, vec2(x, 4.0))), [true, false]);
     }
 }

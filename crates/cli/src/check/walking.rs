@@ -6,7 +6,7 @@ use lemons_core::trial::Geometry;
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
 use lemons_decision::rule::UNLIMITED;
-use lemons_decision::target::{Target, Ways};
+use lemons_decision::target::{NEAR, Target, Ways};
 use lemons_decision::walking_model::WalkingModel;
 use lemons_people::is_closed;
 use std::collections::BTreeSet;
@@ -92,7 +92,7 @@ fn far(walls: &[Vec<Vec2>], p: Vec2) -> f64 {
     walls.iter().map(|wall| nearest_on_line(wall, p).distance).fold(f64::INFINITY, f64::min)
 }
 
-/// Doubts exits that lie so near to a wall, all along, that bodies do not reach them.
+/// Doubts exits that lie so near to a wall, all along, that bodies do not reach them, and areas beyond walls.
 fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
     let deep = plan.agents.iter().map(|agent| 0.5 * agent.depth()).fold(AT_A_WALL, f64::max);
     let is_line_hidden = |a: Vec2, b: Vec2| {
@@ -116,7 +116,7 @@ fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
             let [x, y] = [share(k % ACROSS), share(k / ACROSS)];
             low + vec2((high - low).x * x, (high - low).y * y)
         });
-        !points.any(|p| area.contains(p) && is_with(p) && far(walls, p) >= deep)
+        !points.any(|p| area.contains(p) && is_with(p) && (deep <= NEAR || far(walls, p) >= deep))
     };
     let exits = plan.targets.iter().filter(|target| !target.stay);
     let doubt = |exit: &Target| {
@@ -131,7 +131,10 @@ fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
             ),
             [a, ..] => (
                 is_area_hidden(&corners),
-                format!("at ({:.2}, {:.2}) m has no place that is {deep:.2} m away from all walls", a.x, a.y),
+                format!(
+                    "at ({:.2}, {:.2}) m lies beyond walls, or less than {deep:.2} m before one",
+                    a.x, a.y
+                ),
             ),
             [] => return None,
         };
@@ -253,4 +256,54 @@ fn meeting<'a>(plan: &'a Plan) -> Option<[&'a str; 2]> {
     let with = met.iter().filter(|(direction, _)| direction.dot(&along) > 0.0).count();
     let fewer = with.min(met.len() - with);
     (fewer as f64 >= MANY * people.len() as f64).then_some(first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lemons_core::trial::Wall;
+    use lemons_decision::rule::Pose;
+    use lemons_decision::{DecisionConfig, Person};
+
+    /// The outside: by hand. Two closed rooms of 5 m by 5 m, side by side, a pillar in the first.
+    #[test]
+    fn exits_of_all_rooms_with_people_are_reached() {
+        let rectangle = |id: &str, [left, low, right, top]: [f64; 4]| {
+            let corners = [[left, low], [right, low], [right, top], [left, top], [left, low]];
+            Wall::new(id, "concrete", corners.map(Vec2::from).to_vec())
+        };
+        let rooms = [[0.0, 0.0, 5.0, 5.0], [10.0, 0.0, 15.0, 5.0], [2.0, 2.0, 3.0, 3.0]];
+        let walls = ["a", "b", "pillar"].iter().zip(rooms).map(|(id, sides)| rectangle(id, sides)).collect();
+        let geometry = Geometry { dimensions: None, walls };
+        let person = |x: f64, radius: f64| Person {
+            id: x.to_string(),
+            mass: 80.0,
+            stature: None,
+            moment_of_inertia: 1.5,
+            floor_damping: 2.0,
+            angular_damping: 4.0,
+            pose: Pose { x, y: 1.0, theta: 0.0 },
+            disks: vec![[0.0, 0.0, radius]],
+        };
+        let doubted = |people: &[Person], [left, low, right, top]: [f64; 4]| {
+            let config = format!(
+                "exits = [{{ name = \"e\", area = [[{left}, {low}], [{right}, {low}], [{right}, {top}], [{left}, {top}]] }}]"
+            );
+            let walls = geometry.walls.iter().map(|wall| &wall.corners[..]);
+            let plan =
+                Plan::among(walls, people, &DecisionConfig::from_toml(&config).unwrap(), 0.05).unwrap();
+            out_of_reach(&plan, &geometry).iter().any(|doubt| doubt.contains("exit \"e\" at"))
+        };
+        let (first, second) = (person(1.0, 0.12), person(11.0, 0.12));
+        let both = [first.clone(), second.clone()];
+        let [in_first, in_second, strip] =
+            [[4.0, 4.0, 5.0, 5.0], [14.0, 4.0, 15.0, 5.0], [14.85, 1.0, 15.0, 4.0]];
+        for exit in [in_first, in_second, strip] {
+            assert!(!doubted(&both, exit), "{exit:?}");
+        }
+        // Nobody is in its room; it is in the pillar; somebody is too deep for it.
+        assert!(doubted(&[first], in_second) && !doubted(&[second.clone()], in_second));
+        assert!(doubted(&both, [2.1, 2.1, 2.9, 2.9]));
+        assert!(doubted(&[second, person(12.0, 0.5)], strip));
+    }
 }
