@@ -6,7 +6,7 @@ use lemons_core::trial::Geometry;
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
 use lemons_decision::rule::UNLIMITED;
-use lemons_decision::target::{NEAR, Target, Ways};
+use lemons_decision::target::{Target, Ways};
 use lemons_decision::walking_model::WalkingModel;
 use lemons_people::is_closed;
 use std::collections::BTreeSet;
@@ -116,7 +116,7 @@ fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
             let [x, y] = [share(k % ACROSS), share(k / ACROSS)];
             low + vec2((high - low).x * x, (high - low).y * y)
         });
-        !points.any(|p| area.contains(p) && is_with(p) && (deep <= NEAR || far(walls, p) >= deep))
+        !points.any(|p| area.contains(p) && is_with(p))
     };
     let exits = plan.targets.iter().filter(|target| !target.stay);
     let doubt = |exit: &Target| {
@@ -275,7 +275,7 @@ mod tests {
         let rooms = [[0.0, 0.0, 5.0, 5.0], [10.0, 0.0, 15.0, 5.0], [2.0, 2.0, 3.0, 3.0]];
         let walls = ["a", "b", "pillar"].iter().zip(rooms).map(|(id, sides)| rectangle(id, sides)).collect();
         let geometry = Geometry { dimensions: None, walls };
-        let person = |x: f64, radius: f64| Person {
+        let person = |x: f64| Person {
             id: x.to_string(),
             mass: 80.0,
             stature: None,
@@ -283,27 +283,28 @@ mod tests {
             floor_damping: 2.0,
             angular_damping: 4.0,
             pose: Pose { x, y: 1.0, theta: 0.0 },
-            disks: vec![[0.0, 0.0, radius]],
+            disks: vec![[0.0, 0.0, 0.12]],
         };
-        let doubted = |people: &[Person], [left, low, right, top]: [f64; 4]| {
-            let config = format!(
-                "exits = [{{ name = \"e\", area = [[{left}, {low}], [{right}, {low}], [{right}, {top}], [{left}, {top}]] }}]"
-            );
+        // The numbers of the exits that are doubted.
+        let doubted = |people: &[f64], exits: &[[f64; 4]]| -> Vec<usize> {
+            let exit = |[left, low, right, top]: &[f64; 4]| {
+                format!(
+                    "{{ polygon = [[{left}, {low}], [{right}, {low}], [{right}, {top}], [{left}, {top}]] }}"
+                )
+            };
+            let config = format!("exits = [{}]", exits.iter().map(exit).collect::<Vec<_>>().join(", "));
+            let config = DecisionConfig::from_toml(&config).unwrap();
+            let people: Vec<Person> = people.iter().map(|x| person(*x)).collect();
             let walls = geometry.walls.iter().map(|wall| &wall.corners[..]);
-            let plan =
-                Plan::among(walls, people, &DecisionConfig::from_toml(&config).unwrap(), 0.05).unwrap();
-            out_of_reach(&plan, &geometry).iter().any(|doubt| doubt.contains("exit \"e\" at"))
+            let said = out_of_reach(&Plan::among(walls, &people, &config, 0.05).unwrap(), &geometry);
+            let of = |k: &usize| said.iter().any(|doubt| doubt.starts_with(&format!("exit \"exit {k}\" at")));
+            (0..exits.len()).filter(of).collect()
         };
-        let (first, second) = (person(1.0, 0.12), person(11.0, 0.12));
-        let both = [first.clone(), second.clone()];
-        let [in_first, in_second, strip] =
-            [[4.0, 4.0, 5.0, 5.0], [14.0, 4.0, 15.0, 5.0], [14.85, 1.0, 15.0, 4.0]];
-        for exit in [in_first, in_second, strip] {
-            assert!(!doubted(&both, exit), "{exit:?}");
-        }
-        // Nobody is in its room; it is in the pillar; somebody is too deep for it.
-        assert!(doubted(&[first], in_second) && !doubted(&[second.clone()], in_second));
-        assert!(doubted(&both, [2.1, 2.1, 2.9, 2.9]));
-        assert!(doubted(&[second, person(12.0, 0.5)], strip));
+        let [first, second, strip] = [[4.0, 4.0, 5.0, 5.0], [14.0, 4.0, 15.0, 5.0], [14.85, 1.0, 15.0, 4.0]];
+        let in_pillar = [2.1, 2.1, 2.9, 2.9];
+        assert!(doubted(&[1.0, 11.0], &[first, second, strip]).is_empty());
+        // Nobody is in its room, or it is in the pillar.
+        assert_eq!(doubted(&[1.0], &[first, second]), [1]);
+        assert_eq!(doubted(&[1.0, 11.0], &[in_pillar, first, second]), [0]);
     }
 }
