@@ -638,7 +638,7 @@ fn about_frame(frame: &Ring) -> String {
 /// Asks whether the outline of a plan is the frame of a sheet, as a proposal for its walls does.
 fn frame(plan: &Plan, outline: &Ring) -> Option<String> {
     let sides = || plan.walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]]));
-    if plan.walls.len() < 2 || !is_alone(outline, sides()) {
+    if plan.has_areas || plan.walls.len() < 2 || !is_alone(outline, sides()) {
         return None;
     }
     let line = |corners: &Vec<Vec2>| Line {
