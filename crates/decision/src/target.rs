@@ -330,7 +330,7 @@ impl Ways {
         open: impl Fn(usize) -> bool,
     ) -> Option<Arrival> {
         let holds = |k: &usize| {
-            let (shape, reach) = (&self.shapes[*k], body.max(NEAR).min(WIDEST) - self.clearance[*k]);
+            let (shape, reach) = (&self.shapes[*k], body.clamp(NEAR, WIDEST) - self.clearance[*k]);
             let is_near = |place: Vec2| (place - at).norm() <= reach && self.grid.sees(at, place);
             open(*k) && (shape.holds(from, at, self.stay[*k]) || reach > 0.0 && is_near(shape.nearest(at)))
         };

@@ -188,6 +188,6 @@ fn symbols_and_inner_pictures_have_coordinates_of_their_own() {
         );
     }
     let text = "<svg viewBox='0 0 80 60'><svg x='10' y='10' width='20' height='20' viewBox='0 0 5 5'><rect width='5' height='5'/></svg></svg>";
-    let line = drawing(Format::Svg, &text).unwrap().lines.remove(0);
+    let line = drawing(Format::Svg, text).unwrap().lines.remove(0);
     assert!(line.corners.iter().any(|at| near(*at, vec2(30.0, 30.0))), "{line:?}");
 }
