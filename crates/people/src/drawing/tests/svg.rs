@@ -121,71 +121,64 @@ fn corners_of_paths_of_several_parts_are_counted_together() {
 /// The rectangle of each, as the standard says.
 #[test]
 fn symbols_and_inner_pictures_have_coordinates_of_their_own() {
-    for (symbol, by, low, high) in [
+    for (kind, own, by, low, high) in [
         (
-            "<symbol id='s' viewBox='0 0 10 10'>",
+            "symbol",
+            "viewBox='0 0 10 10'",
             "x='100' y='100' width='50' height='50'",
             [100.0, 100.0],
             [150.0, 150.0],
         ),
         (
-            "<symbol id='s' viewBox='0 0 10 10' width='50' height='50'>",
+            "symbol",
+            "viewBox='0 0 10 10' width='50' height='50'",
             "x='100' y='100'",
             [100.0, 100.0],
             [150.0, 150.0],
         ),
+        ("symbol", "viewBox='0 0 10 10'", "x='100' width='80' height='20'", [130.0, 0.0], [150.0, 20.0]),
         (
-            "<symbol id='s' viewBox='0 0 10 10'>",
-            "x='100' width='80' height='20'",
-            [130.0, 0.0],
-            [150.0, 20.0],
-        ),
-        (
-            "<symbol id='s' viewBox='0 0 10 10' preserveAspectRatio='none'>",
+            "symbol",
+            "viewBox='0 0 10 10' preserveAspectRatio='none'",
             "x='100' width='80' height='20'",
             [100.0, 0.0],
             [180.0, 20.0],
         ),
         (
-            "<symbol id='s' viewBox='0 0 10 10' preserveAspectRatio='xMaxYMin meet'>",
+            "symbol",
+            "viewBox='0 0 10 10' preserveAspectRatio='xMaxYMin meet'",
             "width='20' height='80'",
             [0.0, 0.0],
             [20.0, 20.0],
         ),
         (
-            "<symbol id='s' viewBox='0 0 10 10' preserveAspectRatio='xMinYMax'>",
+            "symbol",
+            "viewBox='0 0 10 10' preserveAspectRatio='xMinYMax'",
             "width='20' height='80'",
             [0.0, 60.0],
             [20.0, 80.0],
         ),
+        ("symbol", "viewBox='5 5 20 20'", "x='100' width='40' height='40'", [90.0, -10.0], [110.0, 10.0]),
+        ("symbol", "viewBox='0 0 10 10'", "width='50%' height='25%'", [125.0, 0.0], [275.0, 150.0]),
+        ("symbol", "viewBox='0 0 10 10'", "", [100.0, 0.0], [700.0, 600.0]),
+        ("symbol", "", "x='7' width='50' height='50'", [7.0, 0.0], [17.0, 10.0]),
         (
-            "<symbol id='s' viewBox='5 5 20 20'>",
-            "x='100' width='40' height='40'",
-            [90.0, -10.0],
-            [110.0, 10.0],
-        ),
-        ("<symbol id='s' viewBox='0 0 10 10'>", "width='50%' height='25%'", [125.0, 0.0], [275.0, 150.0]),
-        ("<symbol id='s' viewBox='0 0 10 10'>", "", [100.0, 0.0], [700.0, 600.0]),
-        ("<symbol id='s'>", "x='7' width='50' height='50'", [7.0, 0.0], [17.0, 10.0]),
-        (
-            "<svg id='s' x='3' width='20' height='20' viewBox='0 0 10 10'>",
+            "svg",
+            "x='3' width='20' height='20' viewBox='0 0 10 10'",
             "x='7' width='40' height='40'",
             [10.0, 0.0],
             [50.0, 40.0],
         ),
     ] {
-        let end = if symbol.starts_with("<svg") { "</svg>" } else { "</symbol>" };
         let text = format!(
-            "<svg viewBox='0 0 800 600'><defs>{symbol}<rect width='10' height='10'/>{end}</defs><use href='#s' {by}/></svg>"
+            "<svg viewBox='0 0 800 600'><defs><{kind} id='s' {own}><rect width='10' height='10'/></{kind}></defs>\
+             <use href='#s' {by}/></svg>"
         );
         let line = drawing(Format::Svg, &text).unwrap().lines.remove(0);
         let bounds = Bounds::of(line.corners.iter().copied()).unwrap();
         // y is upwards.
         let expected = Bounds { low: vec2(low[0], 600.0 - high[1]), high: vec2(high[0], 600.0 - low[1]) };
-        assert!(
-            near(bounds.low, expected.low) && near(bounds.high, expected.high),
-            "{symbol} {by}: {bounds:?}"
-        );
+        assert!(near(bounds.low, expected.low) && near(bounds.high, expected.high), "{own} {by}: {bounds:?}");
     }
     let text = "<svg viewBox='0 0 80 60'><svg x='10' y='10' width='20' height='20' viewBox='0 0 5 5'><rect width='5' height='5'/></svg></svg>";
     let line = drawing(Format::Svg, text).unwrap().lines.remove(0);
