@@ -227,6 +227,25 @@ impl Grid {
         })
     }
 
+    /// \[m\] Returns how far from all walls one can be in the area of a ring with this middle, at most `most`.
+    pub fn clearance(&self, ring: &Ring, middle: Vec2, most: f64) -> f64 {
+        let away = |at: Vec2| {
+            let near = self.nodes_in(Bounds { low: at, high: at }.grown(most));
+            let faces = near.filter_map(|node| self.beside.get(&node)).flatten();
+            let faces = faces.map(|face| self.faces[*face as usize]);
+            faces.map(|[a, b]| (nearest_on_segment(a, b, at) - at).norm()).fold(most, f64::min)
+        };
+        let along = |(a, b): (Vec2, Vec2)| {
+            let count = ((b - a).norm() / self.step) as usize + 1;
+            (0..count).map(move |k| a + (b - a) * (k as f64 / count as f64))
+        };
+        let mut places = std::iter::once(middle).chain(ring.sides().flat_map(along)).map(away);
+        // One that is far enough will do.
+        let found =
+            places.try_fold(0.0, |best: f64, far| if far < most { Ok(best.max(far)) } else { Err(far) });
+        found.unwrap_or_else(|far| far)
+    }
+
     /// Returns whether somebody can be at some lines, or in some areas.
     pub fn begins(&self, lines: &[[Vec2; 2]], areas: &[Ring]) -> bool {
         !self.first(lines, areas).is_empty()

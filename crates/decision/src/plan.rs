@@ -55,6 +55,11 @@ impl Planned {
         2.0 * self.disks.iter().map(|&[_, y, radius]| y.abs() + radius).fold(0.0, f64::max)
     }
 
+    /// \[m\] Returns how far the body reaches from its centre of mass.
+    pub fn radius(&self) -> f64 {
+        self.disks.iter().map(|&[x, y, radius]| vec2(x, y).norm() + radius).fold(0.0, f64::max)
+    }
+
     /// \[m\] Returns the depth of the body along the gaze.
     pub fn depth(&self) -> f64 {
         2.0 * self.disks.iter().map(|&[x, _, radius]| x.abs() + radius).fold(0.0, f64::max)

@@ -12,6 +12,8 @@ use std::collections::BTreeSet;
 const ROUNDING: f64 = 1e-6;
 /// \[m\] Whoever is this near to the line of a goal is there.
 const NEAR: f64 = 0.3;
+/// \[m\] No body is larger: an area where one can be so far from walls is reached inside.
+const WIDEST: f64 = 1.0;
 /// \[m\] Nearer than this to the line or the middle of a goal, people walk more and more slowly.
 const SLOW: f64 = 1.0;
 /// Steps of the grid on foot from a line, where metres may count four times, beyond which the way to it is not straight.
@@ -175,6 +177,9 @@ pub struct Ways {
     grid: Grid,
     shapes: Vec<Shape>,
     stay: Vec<bool>,
+    /// \[m\] How far from walls one can be in each exit that is an area, at most [`WIDEST`]: bodies get no nearer to a wall
+    /// than they are large.
+    clearance: Vec<f64>,
     /// Distances to each target, if somebody goes there.
     to_each: Vec<Option<Field>>,
     /// Distances to the nearest exit, if somebody goes there.
@@ -222,8 +227,13 @@ impl Ways {
         let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
         let to_nearest = wanted.contains(&Destination::NearestExit).then(|| field(&exits));
         let stay = targets.iter().map(|target| target.stay).collect();
+        let clearance = |(shape, target): (&Shape, &Target)| match shape {
+            Shape::Area(ring, middle) if !target.stay => grid.clearance(ring, *middle, WIDEST),
+            _ => WIDEST,
+        };
+        let clearance = shapes.iter().zip(targets).map(clearance).collect();
         let (widths, doors, gates) = Default::default();
-        Ok(Ways { grid, shapes, stay, to_each, to_nearest, widths, doors, gates })
+        Ok(Ways { grid, shapes, stay, clearance, to_each, to_nearest, widths, doors, gates })
     }
 
     /// Measures how wide the ways to each target are.
@@ -309,15 +319,21 @@ impl Ways {
         self.field(to).map_or(f64::INFINITY, |field| self.grid.distance(field, at))
     }
 
-    /// Returns whether somebody who walked from one place to another has arrived; if it is an exit that is `open`, to leave.
+    /// Returns whether somebody who walked from one place to another has arrived; if it is an exit that is `open`, to leave. Of
+    /// an area along a wall, who gets no nearer with a `body` of this radius \[m\] is there.
     pub fn arrived(
         &self,
         to: Destination,
         from: Vec2,
         at: Vec2,
+        body: f64,
         open: impl Fn(usize) -> bool,
     ) -> Option<Arrival> {
-        let holds = |k: &usize| open(*k) && self.shapes[*k].holds(from, at, self.stay[*k]);
+        let holds = |k: &usize| {
+            let (shape, reach) = (&self.shapes[*k], body.clamp(NEAR, WIDEST) - self.clearance[*k]);
+            let is_near = |place: Vec2| (place - at).norm() <= reach && self.grid.sees(at, place);
+            open(*k) && (shape.holds(from, at, self.stay[*k]) || reach > 0.0 && is_near(shape.nearest(at)))
+        };
         let target = self.targets(to).find(holds)?;
         Some(if self.stay[target] { Arrival::Stays } else { Arrival::Leaves })
     }
@@ -390,7 +406,29 @@ mod tests {
         let (beside, on) = (vec2(3.0, 1.0), vec2(2.0, 2.0));
         let people = [beside, on].map(|at| (at, Destination::NearestExit));
         let ways = Ways::new(&[], &[exit], people.into_iter()).unwrap();
-        let arrived = |at| ways.arrived(Destination::NearestExit, at, at, |_| true);
+        let arrived = |at| ways.arrived(Destination::NearestExit, at, at, 0.2, |_| true);
         assert_eq!((arrived(beside), arrived(on)), (None, Some(Arrival::Leaves)));
+    }
+
+    /// The outside: by hand. Bodies keep 0.2 m to 0.3 m from the wall at x = 10 m.
+    #[test]
+    fn an_area_along_a_wall_is_reached_from_beside_it() {
+        let wall = vec![vec2(10.0, 0.0), vec2(10.0, 8.0)];
+        let left = |depth: f64, body: f64, at: Vec2| {
+            let corners = vec![[10.0 - depth, 2.0], [10.0, 2.0], [10.0, 6.0], [10.0 - depth, 6.0]];
+            let exit = Target { name: "a".into(), stay: false, corners, open: Vec::new(), time_factor: 1.0 };
+            let people = std::iter::once((at, Destination::NearestExit));
+            let ways = Ways::new(std::slice::from_ref(&wall), &[exit], people).unwrap();
+            ways.arrived(Destination::NearestExit, at, at, body, |_| true).is_some()
+        };
+        for depth in [0.06, 0.15, 0.25] {
+            assert_eq!([9.71, 9.69].map(|x| left(depth, 0.2, vec2(x, 4.0))), [true, false], "{depth}");
+            // Beside its end, and behind the wall.
+            assert!(!left(depth, 0.2, vec2(9.8, 6.3)) && !left(depth, 0.2, vec2(10.05, 4.0)));
+        }
+        // A wheelchair.
+        assert_eq!([9.36, 9.34].map(|x| left(0.15, 0.65, vec2(x, 4.0))), [true, false]);
+        // Where bodies get into the area, they have to.
+        assert_eq!([9.51, 9.49].map(|x| left(0.5, 0.2, vec2(x, 4.0))), [true, false]);
     }
 }

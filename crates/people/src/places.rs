@@ -99,7 +99,7 @@ pub fn inside(plan: &Plan, corners: &[Vec2]) -> Option<Vec<Vec2>> {
     if is_whole { Some(corners.to_vec()) } else { part.largest }
 }
 
-/// Says which places lie outside all closed walls or in obstacles, and which areas do not touch the largest one.
+/// Says which places lie outside all closed walls or in obstacles, and which areas do not touch that of the outline.
 pub fn doubts(plan: &Plan) -> Vec<String> {
     let ground = Ground::of(plan);
     let outside = ground.outside();
@@ -154,21 +154,21 @@ pub fn doubts(plan: &Plan) -> Vec<String> {
             doubts.push(format!("{} lies outside the walls, which have no opening", named("exit", place)));
         }
     }
-    let all = || ground.rooms.iter().chain(&ground.islands);
-    let largest = all().reduce(|a, b| if b.area() > a.area() { b } else { a });
-    let apart: Vec<&Ring> =
-        all().filter(|room| !largest.is_some_and(|own| std::ptr::eq(own, *room))).collect();
+    // Of two that are as large, one is the outline.
+    let is_outline = |room: &Ring| plan.outline.is_some_and(|k| plan.walls[k].starts_with(room.corners()));
+    let all = ground.rooms.iter().chain(&ground.islands);
+    let apart: Vec<&Ring> = all.filter(|room| !is_outline(room)).collect();
     for room in apart.iter().take(MOST) {
         let bounds = room.bounds();
         let ([x, y], [right, top]): ([f64; 2], [f64; 2]) = (bounds.low.into(), bounds.high.into());
         doubts.push(format!(
-            "the area of {:.2} m² from ({x:.2}, {y:.2}) to ({right:.2}, {top:.2}) m does not touch the largest one: nobody is \
+            "the area of {:.2} m² from ({x:.2}, {y:.2}) to ({right:.2}, {top:.2}) m does not touch that of the outline: nobody is \
              placed there without a distribution or --region",
             room.area()
         ));
     }
     if apart.len() > MOST {
-        doubts.push(format!("{} more areas do not touch the largest one", apart.len() - MOST));
+        doubts.push(format!("{} more areas do not touch that of the outline", apart.len() - MOST));
     }
     doubts
 }
@@ -209,6 +209,13 @@ mod tests {
         );
         let apart = plan(&[room, ("walkablearea-1", [20.0, 0.0, 25.0, 5.0])]);
         assert!(doubts(&apart)[0].starts_with("the area of 25.00 m² from (20.00, 0.00) to (25.00, 5.00) m"));
+        // Of two that are as large, one is the outline.
+        let equal = plan(&[room, ("walkablearea-1", [20.0, 0.0, 28.0, 6.0])]);
+        let (said, outline) = (doubts(&equal), Ring::through(equal.walls[equal.outline.unwrap()].clone()));
+        let other =
+            if outline.unwrap().contains(Vec2::from([1.0, 1.0])) { "(20.00, 0.00)" } else { "(0.00, 0.00)" };
+        assert!(said.len() == 1 && said[0].contains(other), "{said:?}");
+        assert!(said[0].contains("does not touch that of the outline"), "{said:?}");
         let both = plan(&[
             room,
             ("walkablearea-1", [20.0, 0.0, 25.0, 5.0]),

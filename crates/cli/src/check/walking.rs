@@ -92,7 +92,7 @@ fn far(walls: &[Vec<Vec2>], p: Vec2) -> f64 {
     walls.iter().map(|wall| nearest_on_line(wall, p).distance).fold(f64::INFINITY, f64::min)
 }
 
-/// Doubts exits that lie so near to a wall, all along, that bodies do not reach them.
+/// Doubts exits that lie so near to a wall, all along, that bodies do not reach them, and areas beyond walls.
 fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
     let deep = plan.agents.iter().map(|agent| 0.5 * agent.depth()).fold(AT_A_WALL, f64::max);
     let is_line_hidden = |a: Vec2, b: Vec2| {
@@ -116,7 +116,7 @@ fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
             let [x, y] = [share(k % ACROSS), share(k / ACROSS)];
             low + vec2((high - low).x * x, (high - low).y * y)
         });
-        !points.any(|p| area.contains(p) && is_with(p) && far(walls, p) >= deep)
+        !points.any(|p| area.contains(p) && is_with(p))
     };
     let exits = plan.targets.iter().filter(|target| !target.stay);
     let doubt = |exit: &Target| {
@@ -131,7 +131,10 @@ fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
             ),
             [a, ..] => (
                 is_area_hidden(&corners),
-                format!("at ({:.2}, {:.2}) m has no place that is {deep:.2} m away from all walls", a.x, a.y),
+                format!(
+                    "at ({:.2}, {:.2}) m lies beyond walls, or less than {deep:.2} m before one",
+                    a.x, a.y
+                ),
             ),
             [] => return None,
         };
@@ -253,4 +256,55 @@ fn meeting<'a>(plan: &'a Plan) -> Option<[&'a str; 2]> {
     let with = met.iter().filter(|(direction, _)| direction.dot(&along) > 0.0).count();
     let fewer = with.min(met.len() - with);
     (fewer as f64 >= MANY * people.len() as f64).then_some(first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lemons_core::trial::Wall;
+    use lemons_decision::rule::Pose;
+    use lemons_decision::{DecisionConfig, Person};
+
+    /// The outside: by hand. Two closed rooms of 5 m by 5 m, side by side, a pillar in the first.
+    #[test]
+    fn exits_of_all_rooms_with_people_are_reached() {
+        let rectangle = |id: &str, [left, low, right, top]: [f64; 4]| {
+            let corners = [[left, low], [right, low], [right, top], [left, top], [left, low]];
+            Wall::new(id, "concrete", corners.map(Vec2::from).to_vec())
+        };
+        let rooms = [[0.0, 0.0, 5.0, 5.0], [10.0, 0.0, 15.0, 5.0], [2.0, 2.0, 3.0, 3.0]];
+        let walls = ["a", "b", "pillar"].iter().zip(rooms).map(|(id, sides)| rectangle(id, sides)).collect();
+        let geometry = Geometry { dimensions: None, walls };
+        let person = |x: f64| Person {
+            id: x.to_string(),
+            mass: 80.0,
+            stature: None,
+            moment_of_inertia: 1.5,
+            floor_damping: 2.0,
+            angular_damping: 4.0,
+            pose: Pose { x, y: 1.0, theta: 0.0 },
+            disks: vec![[0.0, 0.0, 0.12]],
+        };
+        // The numbers of the exits that are doubted.
+        let doubted = |people: &[f64], exits: &[[f64; 4]]| -> Vec<usize> {
+            let exit = |[left, low, right, top]: &[f64; 4]| {
+                format!(
+                    "{{ polygon = [[{left}, {low}], [{right}, {low}], [{right}, {top}], [{left}, {top}]] }}"
+                )
+            };
+            let config = format!("exits = [{}]", exits.iter().map(exit).collect::<Vec<_>>().join(", "));
+            let config = DecisionConfig::from_toml(&config).unwrap();
+            let people: Vec<Person> = people.iter().map(|x| person(*x)).collect();
+            let walls = geometry.walls.iter().map(|wall| &wall.corners[..]);
+            let said = out_of_reach(&Plan::among(walls, &people, &config, 0.05).unwrap(), &geometry);
+            let of = |k: &usize| said.iter().any(|doubt| doubt.starts_with(&format!("exit \"exit {k}\" at")));
+            (0..exits.len()).filter(of).collect()
+        };
+        let [first, second, strip] = [[4.0, 4.0, 5.0, 5.0], [14.0, 4.0, 15.0, 5.0], [14.85, 1.0, 15.0, 4.0]];
+        let in_pillar = [2.1, 2.1, 2.9, 2.9];
+        assert!(doubted(&[1.0, 11.0], &[first, second, strip]).is_empty());
+        // Nobody is in its room, or it is in the pillar.
+        assert_eq!(doubted(&[1.0], &[first, second]), [1]);
+        assert_eq!(doubted(&[1.0, 11.0], &[in_pillar, first, second]), [0]);
+    }
 }

@@ -21,7 +21,7 @@ pub(super) struct Areas {
 }
 
 /// Largest number of places where sides of areas cross, of corners on sides, and of slits between them.
-const MOST_MADE: usize = 2 * MOST_CORNERS;
+pub(super) const MOST_MADE: usize = 2 * MOST_CORNERS;
 
 /// A polygon, and what it is.
 struct Drawn {

@@ -112,7 +112,11 @@ impl End {
 }
 
 fn is_thickness(length: f64) -> bool {
-    (THICKNESS[0] - ROUNDED..=THICKNESS[1] + ROUNDED).contains(&length)
+    is_within(THICKNESS, length)
+}
+
+fn is_within([low, high]: [f64; 2], length: f64) -> bool {
+    (low - ROUNDED..=high + ROUNDED).contains(&length)
 }
 
 /// Finds ends of walls. Two lines whose ends lie side by side get a piece between them.
@@ -188,7 +192,8 @@ fn openings(pieces: &[Piece], grid: &Grid, ends: &[End], panes: &[Piece]) -> Vec
         let (a, b) = (&ends[k], &ends[other]);
         let way = b.middle() - a.middle();
         let along = way.dot(&a.out);
-        let off = way.perp(&a.out).abs();
+        // In a round wall both ends turn to the same side.
+        let off = (a.out - b.out).unit(0.0).map_or(0.0, |mean| way.perp(&mean).abs());
         let fits = k != other
             && a.out.dot(&b.out) < -0.8
             && along > SNAP
@@ -300,15 +305,16 @@ fn is_rim(contour: &Contour, around: &Contour) -> bool {
     (low(contour) - low(around)).abs() < 0.1
 }
 
-/// Returns the distances of parallel lines that are walls, each with its length \[m\], the longest first.
-pub(super) fn thicknesses(pieces: &[Piece]) -> Vec<(f64, f64)> {
+/// Returns the distances of parallel lines that are at least and at most so far apart, each with its length \[m\], the longest
+/// first.
+pub(super) fn thicknesses(pieces: &[Piece], limits: [f64; 2]) -> Vec<(f64, f64)> {
     let grid = Grid::of(pieces);
     let mut found: std::collections::BTreeMap<i64, f64> = std::collections::BTreeMap::new();
     for (k, piece) in pieces.iter().enumerate() {
         let Some(along) = piece.direction().filter(|_| piece.length() > 2.0 * THICKNESS[0]) else { continue };
         // How much of it has another beside it, by the nearest.
         let middle = (piece.a + piece.b) * 0.5;
-        let mut near: Vec<usize> = grid.around(middle, 0.5 * piece.length() + THICKNESS[1]).collect();
+        let mut near: Vec<usize> = grid.around(middle, 0.5 * piece.length() + limits[1]).collect();
         near.sort_unstable();
         near.dedup();
         let mut best: Option<(f64, f64)> = None;
@@ -320,7 +326,7 @@ pub(super) fn thicknesses(pieces: &[Piece]) -> Vec<(f64, f64)> {
                 [other.a, other.b].map(|at| ((at - piece.a).dot(&along), along.perp(&(at - piece.a))));
             let shared = a.0.max(b.0).min(piece.length()) - a.0.min(b.0).max(0.0);
             let apart = 0.5 * (a.1 + b.1).abs();
-            let fits = is_thickness(apart) && shared > apart;
+            let fits = is_within(limits, apart) && shared > apart;
             if fits && best.is_none_or(|(least, _)| apart < least - SNAP) {
                 best = Some((apart, shared));
             } else if fits

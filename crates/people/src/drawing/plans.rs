@@ -470,6 +470,58 @@ fn a_frame_around_a_room_is_asked_for() {
         ("Walls", &[[-20.0, 0.0], [-9.0, 0.0]], false)
     ]));
     assert!(!asks(&[("Walls", &frame, true), ("Walls", &[[0.0, 0.0], [9.0, 0.0]], false)]));
+    // Without a proposal, too; and a frame by its name, whatever meets it.
+    let doubt = |lines: &[(&str, &[[f64; 2]], bool)], settings: &PlanSettings| {
+        let read = Read::of(Format::Dxf, drawn(lines, &[]).as_bytes(), &METRES, settings);
+        read.unwrap().doubt.unwrap_or_default()
+    };
+    let meets: (&str, &[[f64; 2]], bool) = ("Walls", &[[-20.0, 0.0], [-9.0, 0.0]], false);
+    let lines = |layer| [("Walls", &hall[..], true), (layer, &frame[..], true), meets];
+    let all = PlanSettings::default();
+    assert!(doubt(&lines("Walls")[..2], &all).contains("rectangle of 60 m x 50 m a frame"));
+    assert_eq!(doubt(&lines("Walls"), &all), "");
+    for layer in ["A-FRAME", "Blattrahmen", "CADRE", "Title block", "border"] {
+        let said = doubt(&lines(layer), &PlanSettings { to_origin: true, ..all.clone() });
+        assert!(said.contains(&format!("is on layer {layer:?}, which has a frame")), "{said}");
+        let walls = vec!["Walls".to_owned(), layer.to_owned()];
+        assert_eq!(doubt(&lines(layer), &PlanSettings { walls, ..all.clone() }), "");
+    }
+    // A hall and columns have none; nor is a frame of a door one.
+    let columns = [rect(3.0, 3.0, 4.0, 4.0), rect(9.0, 3.0, 10.0, 4.0), rect(3.0, 9.0, 4.0, 10.0)];
+    let mut hall: Vec<(&str, &[[f64; 2]], bool)> = vec![("0", &frame, true)];
+    hall.extend(columns.iter().map(|column| ("A-DOOR-FRAME", &column[..], true)));
+    assert_eq!(doubt(&hall, &all), "");
+}
+
+/// The outside: by hand. Walls of 45 cm with a door; and a round wall of 24 cm, with a door of 1.2 m in it.
+#[test]
+fn thick_walls_are_named_and_round_ones_have_doors() {
+    let ring = |thick: f64| {
+        let (low, right, top) = (-thick, 12.0 + thick, 9.0 + thick);
+        let inner = [[7.0, 0.0], [12.0, 0.0], [12.0, 9.0], [0.0, 9.0], [0.0, 0.0], [6.0, 0.0]];
+        let outer = [[6.0, low], [low, low], [low, top], [right, top], [right, low], [7.0, low]];
+        drawn(&[("Walls", &[inner, outer].concat(), true)], &[])
+    };
+    assert_eq!(proposal(&ring(0.4)).doors(), [Door::new(vec2(6.5, 0.0), 1.0)]);
+    let thick = ring(0.45);
+    let words = "lines are 45 cm apart, and walls are at most 40 cm thick";
+    let found = proposal(&thick);
+    assert!(found.questions.iter().any(|question| question.contains(words)), "{:?}", found.questions);
+    let settings = PlanSettings { enclosing: Some(found.enclosing), ..PlanSettings::default() };
+    let refused = Plan::of(drawing(&thick), &settings).unwrap_err().to_string();
+    assert!(refused.contains(words), "{refused}");
+
+    let half = (0.6f64 / 3.0).asin();
+    let at = |radius: f64, k: u32| {
+        let angle = half + 2.0 * (std::f64::consts::PI - half) * f64::from(k) / 72.0;
+        [radius * angle.cos(), radius * angle.sin()]
+    };
+    let round: Vec<[f64; 2]> =
+        (0..=72).map(|k| at(3.0, k)).chain((0..=72).rev().map(|k| at(3.24, k))).collect();
+    let found = proposal(&drawn(&[("Walls", &round, true)], &[]));
+    let doors = found.doors();
+    assert!(doors.len() == 1 && (doors[0].width - 1.2).abs() < 1e-3, "{:#?}", found.said());
+    assert!((doors[0].at - vec2(3.0 * half.cos(), 0.0)).norm() < 2e-3, "{doors:?}");
 }
 
 #[test]

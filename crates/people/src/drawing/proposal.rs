@@ -14,7 +14,7 @@ use crate::{Door, is_closed};
 use lemons_core::plane::overlay::{self, Contour};
 use lemons_core::plane::{Bounds, Ring, Vec2, convex_hull, vec2};
 use serde::Deserialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// \[m\] Widest gap that is closed if nothing else is said.
 pub const WIDEST_DOOR: f64 = DOOR[1];
@@ -27,6 +27,8 @@ const MOST: f64 = 0.7;
 /// More of a kind are only counted.
 const MOST_SAID: usize = 100;
 
+/// \[m\] Two parallel lines at such a distance may be meant as a wall, and are none.
+const TOO_THICK: [f64; 2] = [THICKNESS[1] + 0.01, 1.0];
 /// \[m\] Walls of a room are further away from a frame around it.
 const FRAME: f64 = 1.0;
 
@@ -67,6 +69,8 @@ struct Taken {
     /// \[m\] Small gaps that were closed.
     closed: Vec<f64>,
     thicknesses: Vec<(f64, f64)>,
+    /// \[m\] The distance of lines that are too far apart for a wall, if more are so than as far as in walls.
+    thick: Option<f64>,
     /// Outlines of obstacles, by layer.
     blobs: Vec<(String, Vec<Contour>)>,
     /// \[m²\] Of the convex hull of all walls.
@@ -106,7 +110,10 @@ fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Option<f64>) -
     let built = of_walls.iter().copied().filter(|(k, _)| !sorted.aside.contains_key(k));
     let drawn = pieces_of(built)?;
     let Mended { pieces, closed, loose } = mended(drawn.clone(), close);
-    let thicknesses = bands::thicknesses(&pieces);
+    let thicknesses = bands::thicknesses(&pieces, THICKNESS);
+    let length = |all: &[(f64, f64)]| all.first().map_or(0.0, |(_, length)| *length);
+    let thick = bands::thicknesses(&pieces, TOO_THICK);
+    let thick = thick.first().filter(|_| length(&thick) > length(&thicknesses)).map(|(apart, _)| *apart);
     let hull = convex_hull(pieces.iter().flat_map(|piece| [piece.a, piece.b]));
     let hull = Ring::through(hull).map_or(0.0, |ring| ring.area());
     let may_shut = |line: &Line| {
@@ -142,6 +149,7 @@ fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Option<f64>) -
         cut_off,
         closed,
         thicknesses,
+        thick,
         blobs,
         hull,
         open,
@@ -150,6 +158,21 @@ fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Option<f64>) -
         sorted,
         swings,
     })
+}
+
+impl Taken {
+    /// Says why walls may enclose too little, where gaps up to a width \[m\] are closed.
+    fn open_by(&self, widest: f64) -> String {
+        match self.thick {
+            Some(apart) => format!(
+                "lines are {} cm apart, and walls are at most {} cm thick: for thicker ones, draw the inner line alone, or the \
+                 floor on a layer walkablearea-0",
+                number(100.0 * apart),
+                number(100.0 * THICKNESS[1])
+            ),
+            None => format!("perhaps a gap of more than {widest} m is open (--widest)"),
+        }
+    }
 }
 
 fn has_areas(lines: &[Line]) -> bool {
@@ -200,21 +223,21 @@ pub(super) fn taken(
             format!("there are no lines on layer {layer:?}; layers are: {}", there.join(", "))
         })?;
     }
-    let Taken { ground, used, within, hull, closed, open, .. } = take(&lines, walls, how, close)?;
-    require(!ground.is_empty(), || {
-        format!(
+    let taken = take(&lines, walls, how, close)?;
+    require(!taken.ground.is_empty(), || match taken.thick {
+        Some(_) => format!("the walls enclose nothing: {}", taken.open_by(how.widest)),
+        None => format!(
             "the walls enclose nothing: gaps of more than {} m are not closed, nor are small ones without a width to \
              close them",
             how.widest
-        )
+        ),
     })?;
-    require(within >= FEW * hull, || {
-        format!(
-            "the walls enclose {within:.1} m² of the {hull:.1} m² that they lie around: probably a gap of more than {} m \
-             is open",
-            how.widest
-        )
+    require(taken.within >= FEW * taken.hull, || {
+        let Taken { within, hull, .. } = taken;
+        let why = taken.open_by(how.widest);
+        format!("the walls enclose {within:.1} m² of the {hull:.1} m² that they lie around: {why}")
     })?;
+    let Taken { ground, used, closed, open, .. } = taken;
     let layer = walls.first().cloned().unwrap_or_default();
     let mut k = 0;
     lines.retain(|_| {
@@ -378,14 +401,10 @@ impl Proposal {
         doors.map(Gap::door).collect()
     }
 
-    /// Returns whether the rim of the ground is an upright rectangle that no wall of the rest is near, and the rest has a
-    /// way in.
+    /// Returns whether the rim of the ground may be a frame, and the rest has a way in.
     fn is_frame(&self, rim: &Ring) -> bool {
-        let far = |at: &Vec2| rim.nearest(*at).distance;
-        let is_near = |piece: &&[Vec2; 2]| piece.iter().any(|end| far(end) <= FRAME);
-        let on_rim = |[a, b]: &[Vec2; 2]| far(a) <= THICKNESS[1] && far(b) <= THICKNESS[1];
-        let enters = self.gaps.iter().any(|gap| gap.leads == Leads::Inside && far(&gap.at()) > FRAME);
-        rim.is_upright() && enters && self.drawn.iter().filter(is_near).all(on_rim)
+        let enters = |gap: &Gap| gap.leads == Leads::Inside && rim.nearest(gap.at()).distance > FRAME;
+        self.gaps.iter().any(enters) && is_alone(rim, self.drawn.iter().copied())
     }
 
     fn asked(&self, taken: &Taken) -> Vec<String> {
@@ -393,7 +412,9 @@ impl Proposal {
         if self.walls.is_empty() {
             asked.push("which layers have walls? Nothing says it: --walls LAYERS".to_owned());
         }
-        if taken.ground.is_empty() {
+        if let (true, Some(_)) = (taken.ground.is_empty(), taken.thick) {
+            asked.push(format!("where is the room? {}", taken.open_by(self.enclosing.widest)));
+        } else if taken.ground.is_empty() {
             asked.push(format!(
                 "where is the room? The walls enclose nothing: --close joins small gaps, --widest closes those of more \
                  than {} m",
@@ -401,21 +422,14 @@ impl Proposal {
             ));
         } else if taken.within < FEW * taken.hull {
             asked.push(format!(
-                "is this the room? It is {:.1} m² of the {:.1} m² that walls lie around: perhaps a gap of more than {} m \
-                 is open (--widest)",
-                taken.within, taken.hull, self.enclosing.widest
+                "is this the room? It is {:.1} m² of the {:.1} m² that walls lie around: {}",
+                taken.within,
+                taken.hull,
+                taken.open_by(self.enclosing.widest)
             ));
         }
         let rim: Vec<Ring> = self.ground.iter().filter_map(|ring| Ring::through(ring.clone())).collect();
-        if let Some(frame) = rim.first().filter(|rim| self.is_frame(rim)) {
-            let size = frame.bounds().size();
-            asked.push(format!(
-                "is the rectangle of {} m x {} m a frame of the sheet, or a fence? No other wall meets it, and the walls of a \
-                 room stand in it: --walls without its layer leaves it out",
-                number(size.x),
-                number(size.y)
-            ));
-        }
+        asked.extend(rim.first().filter(|rim| self.is_frame(rim)).map(about_frame));
         let in_room = |at: Vec2| rim.iter().filter(|ring| ring.contains(at)).count() == 1;
         for [a, b] in taken.wide.iter().filter(|[a, b]| !in_room((a + b) * 0.5)).take(MOST_SAID) {
             let width = number((b - a).norm());
@@ -602,8 +616,60 @@ impl Gap {
     }
 }
 
+/// Returns whether a rim is an upright rectangle that no other wall is near.
+fn is_alone(rim: &Ring, mut walls: impl Iterator<Item = [Vec2; 2]>) -> bool {
+    let far = |at: &Vec2| rim.nearest(*at).distance;
+    rim.is_upright()
+        && walls.all(|ends| {
+            ends.iter().all(|end| far(end) > FRAME) || ends.iter().all(|end| far(end) <= THICKNESS[1])
+        })
+}
+
+fn about_frame(frame: &Ring) -> String {
+    let size = frame.bounds().size();
+    format!(
+        "is the rectangle of {} m x {} m a frame of the sheet, or a fence? No other wall meets it, and the walls of a room \
+         stand in it: --walls without its layer leaves it out",
+        number(size.x),
+        number(size.y)
+    )
+}
+
+/// Asks whether the outline of a plan is the frame of a sheet, as a proposal for its walls does.
+fn frame(plan: &Plan, outline: &Ring) -> Option<String> {
+    let sides = || plan.walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]]));
+    if plan.has_areas || plan.walls.len() < 2 || !is_alone(outline, sides()) {
+        return None;
+    }
+    let line = |corners: &Vec<Vec2>| Line {
+        layer: String::new(),
+        role: None,
+        name: None,
+        entity: String::new(),
+        corners: corners.clone(),
+        closed: false,
+        hole: false,
+        ground: false,
+    };
+    let lines: Vec<Line> = plan.walls.iter().map(line).collect();
+    // Too many lines are not looked at.
+    let taken = take(&lines, &[], &Enclosing::default(), None).ok()?;
+    let found = Proposal::from(taken, Vec::new(), Vec::new(), Enclosing::default(), None);
+    let rim = Ring::through(found.ground.first()?.clone())?;
+    found.is_frame(&rim).then(|| about_frame(&rim))
+}
+
+/// Returns layers that are no walls by their names, such as frames, titles and texts, with the corners of their lines.
+pub(super) fn notes(lines: &[Line]) -> BTreeMap<String, Vec<Vec2>> {
+    let mut notes: BTreeMap<String, Vec<Vec2>> = BTreeMap::new();
+    for (_, line) in asked(lines).filter(|(_, line)| of_name(&line.layer) == Some(Sort::Note)) {
+        notes.entry(line.layer.clone()).or_default().extend(&line.corners);
+    }
+    notes
+}
+
 /// Says why the outline of a plan may not be the room; `None` if nothing speaks against it.
-pub(super) fn doubt(plan: &Plan) -> Option<String> {
+pub(super) fn doubt(plan: &Plan, notes: &BTreeMap<String, Vec<Vec2>>) -> Option<String> {
     let Some(outline) = plan.outline else {
         return Some("no wall is closed, so nothing is inside".to_owned());
     };
@@ -645,12 +711,23 @@ pub(super) fn doubt(plan: &Plan) -> Option<String> {
     let hull = |corners: Vec<Vec2>| Ring::through(convex_hull(corners)).map_or(0.0, |ring| ring.area());
     let own = hull(ring.corners().to_vec());
     let all = hull(plan.walls.iter().flatten().copied().collect());
-    (own < MOST * all).then(|| {
-        format!(
+    if own < MOST * all {
+        return Some(format!(
             "the outline, wall {outline}, lies around {own:.1} m², all walls together around {all:.1} m²: probably a gap \
              in the walls around the room is open"
-        )
-    })
+        ));
+    }
+    let is_on = |corners: &[Vec2]| {
+        let meets = |at: &Vec2| corners.iter().any(|corner| (at + plan.origin - corner).norm() <= SNAP);
+        ring.is_upright() && ring.corners().iter().all(meets)
+    };
+    if let Some((layer, _)) = notes.iter().find(|(_, corners)| is_on(corners)) {
+        return Some(format!(
+            "the outline, wall {outline}, is on layer {layer:?}, which has a frame or notes by its name: --walls takes other layers, or \
+             this one"
+        ));
+    }
+    frame(plan, &ring)
 }
 
 /// A number of at most three digits after the point.

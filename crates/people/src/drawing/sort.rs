@@ -55,7 +55,7 @@ impl Sort {
 }
 
 /// Words in names of layers, in English, German, French, Spanish and Italian. Those with a `-` are only beginnings of words.
-const WORDS: [(Sort, &[&str]); 8] = [
+const WORDS: [(Sort, &[&str]); 9] = [
     (
         Sort::Note,
         &[
@@ -110,6 +110,8 @@ const WORDS: [(Sort, &[&str]); 8] = [
         Sort::Wall,
         &["wall", "wand", "waende", "mauer", "-mur", "cloison", "-pared", "parete", "partition", "-porteur"],
     ),
+    // Of sheets: doors and windows have some, too.
+    (Sort::Note, &["-frame", "-border", "-cadre", "-marco", "-cornic"]),
 ];
 
 /// Returns what the name of a layer says.
@@ -250,7 +252,8 @@ fn by_shape(lines: &[Line], own: &[usize], aside: &BTreeMap<usize, Sort>) -> Res
         return Ok(Sort::Column);
     }
     // Of both lines.
-    let double: f64 = bands::thicknesses(&mended.pieces).iter().map(|(_, length)| 2.0 * length).sum();
+    let double: f64 =
+        bands::thicknesses(&mended.pieces, THICKNESS).iter().map(|(_, length)| 2.0 * length).sum();
     let is_large =
         rings.iter().any(|ring| size(ring).max() > 10.0 * THICKNESS[1]) || !mended.loose.is_empty();
     Ok(if double > 0.5 * length && length > 4.0 && is_large { Sort::Wall } else { Sort::Unclear })

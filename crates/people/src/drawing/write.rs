@@ -1,11 +1,13 @@
 //! A plan -> GeoJSON, well-known text or DXF, as [`Drawing::read`](super::Drawing::read) reads them.
 
 use super::Format;
-use super::areas::TOUCH;
+use super::areas::{MOST_MADE, TOUCH};
 use super::plan::{MOST_CORNERS, Place, Plan, Role};
 use crate::is_closed;
-use lemons_core::plane::{Bounds, Ring, Vec2};
+use lemons_core::plane::overlay::{Fill, contour, intersection, ring};
+use lemons_core::plane::{Bounds, Polygon, Ring, Vec2, ground, vec2};
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -16,9 +18,11 @@ pub fn written_formats() -> [Format; 3] {
 
 /// The layer of walls: no role, all of them are walls.
 const WALLS: &str = "walls";
+/// \[m²\] What rounding does to an area.
+const ROUNDING: f64 = 1e-6;
 
-/// Writes walls, exits, distributions and way-points, in metres. Well-known text has walls only. `None` for a format that
-/// is not written.
+/// Writes walls, exits, distributions and way-points, in metres; walls as walkable areas and obstacles, if the plan has
+/// any. Well-known text has walls only. `None` for a format that is not written.
 pub fn write_plan(plan: &Plan, format: Format) -> Option<String> {
     match format {
         Format::GeoJson => Some(geojson(plan)),
@@ -28,21 +32,27 @@ pub fn write_plan(plan: &Plan, format: Format) -> Option<String> {
     }
 }
 
-/// A line with its layer.
+/// A line with its layer, or an area with holes.
 struct Written<'p> {
     layer: String,
     name: Option<&'p str>,
-    corners: &'p [Vec2],
+    corners: Cow<'p, [Vec2]>,
     closed: bool,
+    holes: Vec<&'p [Vec2]>,
+}
+
+impl<'p> Written<'p> {
+    /// Of a wall.
+    fn new(layer: &str, wall: &'p [Vec2]) -> Written<'p> {
+        let closed = is_closed(wall);
+        let corners = Cow::Borrowed(&wall[..wall.len() - usize::from(closed)]);
+        Written { layer: layer.to_owned(), name: None, corners, closed, holes: Vec::new() }
+    }
 }
 
 fn lines(plan: &Plan) -> Vec<Written<'_>> {
-    let mut all = Vec::new();
-    for wall in &plan.walls {
-        let closed = is_closed(wall);
-        let corners = &wall[..wall.len() - usize::from(closed)];
-        all.push(Written { layer: WALLS.to_owned(), name: None, corners, closed });
-    }
+    let walls = || plan.walls.iter().map(|wall| Written::new(WALLS, wall)).collect();
+    let mut all = areas(plan).unwrap_or_else(walls);
     let kinds = [
         (Role::Exit, &plan.exits),
         (Role::Distribution, &plan.distributions),
@@ -51,21 +61,119 @@ fn lines(plan: &Plan) -> Vec<Written<'_>> {
     for (role, places) in kinds {
         for Place { name, corners } in places {
             let layer = format!("{}-{name}", role.layer());
-            all.push(Written { layer, name: Some(name), corners, closed: corners.len() > 2 });
+            let (corners, closed) = (Cow::Borrowed(&corners[..]), corners.len() > 2);
+            all.push(Written { layer, name: Some(name), corners, closed, holes: Vec::new() });
         }
     }
     all
 }
 
+/// Returns walls as walkable areas and obstacles, from which the reader makes the same ground; `None` if none were drawn.
+fn areas(plan: &Plan) -> Option<Vec<Written<'_>>> {
+    let (area, obstacle) = (Role::WalkableArea.layer(), Role::Obstacle.layer());
+    let (closed, open): (Vec<&Vec<Vec2>>, Vec<&Vec<Vec2>>) =
+        plan.walls.iter().partition(|wall| is_closed(wall));
+    let rings: Vec<Ring> = closed.iter().filter_map(|wall| Ring::through(wall.to_vec())).collect();
+    let corners: usize = rings.iter().map(|ring| ring.corners().len()).sum();
+    if !plan.has_areas || rings.is_empty() || corners > MOST_CORNERS {
+        return None;
+    }
+    let around = around(&rings.iter().collect::<Vec<_>>());
+    // Ground in an obstacle was found only where areas and obstacles met.
+    let depth = |k: usize| around[k].len().min(if plan.ground.is_some() { usize::MAX } else { 1 });
+    let outer = (0..rings.len()).filter(|k| depth(*k) == 0);
+    let rims: Vec<Polygon> = outer.map(|k| Polygon { outer: rings[k].clone(), holes: Vec::new() }).collect();
+    let sum = |polygons: &[Polygon]| polygons.iter().map(Polygon::area).sum::<f64>();
+    // The reader fills what is narrow between areas: then they are holes of one obstacle in a frame.
+    let is_same = |read: Vec<Polygon>| (sum(&read) - sum(&rims)).abs() <= ROUNDING;
+    let framed = plan.ground.is_some() && !ground(&rims, &[], TOUCH, MOST_MADE).is_some_and(is_same);
+    let is_rim = |k: usize| depth(k) % 2 == 1 || depth(k) == 0 && !framed;
+    let mut all = Vec::new();
+    for (k, polygon) in grouped(&around, 0..rings.len(), is_rim).into_iter().enumerate() {
+        let open = |k: &usize| &closed[*k][..closed[*k].len() - 1];
+        if k == rings.len() && framed {
+            let frame = Ring::around(plan.bounds()?.grown(1.0)).corners().to_vec();
+            let new = |layer: &str, holes| Written {
+                layer: layer.to_owned(),
+                name: None,
+                corners: Cow::Owned(frame.clone()),
+                closed: true,
+                holes,
+            };
+            all.extend([new(area, Vec::new()), new(obstacle, polygon.iter().map(open).collect())]);
+        } else if let Some((rim, holes)) = polygon.split_first() {
+            let layer = if depth(*rim) == 0 { area } else { obstacle };
+            all.push(Written {
+                holes: holes.iter().map(open).collect(),
+                ..Written::new(layer, closed[*rim])
+            });
+        }
+    }
+    // The others are walls by their lines.
+    all.extend(open.into_iter().map(|wall| Written::new(obstacle, wall)));
+    Some(all)
+}
+
+/// Returns of each ring the numbers of those around it.
+fn around(rings: &[&Ring]) -> Vec<Vec<usize>> {
+    let bounds: Vec<Bounds> = rings.iter().map(|ring| ring.bounds()).collect();
+    let around = |k: usize| -> Vec<usize> {
+        // Some may lie on the other one.
+        let holds = |&other: &usize| {
+            let inside = |at: &&Vec2| bounds[other].contains(**at) && rings[other].contains(**at);
+            other != k && 2 * rings[k].corners().iter().filter(inside).count() > rings[k].corners().len()
+        };
+        (0..rings.len()).filter(holds).collect()
+    };
+    (0..rings.len()).map(around).collect()
+}
+
+/// Returns polygons by the numbers of their rings: of each its rim, then the holes that it is the innermost rim around; at the
+/// end holes without a rim.
+fn grouped(
+    around: &[Vec<usize>],
+    all: impl Iterator<Item = usize> + Clone,
+    is_rim: impl Fn(usize) -> bool,
+) -> Vec<Vec<usize>> {
+    let mut polygons: Vec<Vec<usize>> = vec![Vec::new(); around.len() + 1];
+    for k in all.clone().filter(|k| is_rim(*k)) {
+        polygons[k].push(k);
+    }
+    for k in all.filter(|k| !is_rim(*k)) {
+        let of = around[k].iter().copied().filter(|of| is_rim(*of)).max_by_key(|of| around[*of].len());
+        polygons[of.unwrap_or(around.len())].push(k);
+    }
+    polygons
+}
+
+/// Cuts a polygon through the middle of each hole: DXF has no holes.
+fn without_holes(Written { corners, holes, .. }: &Written) -> Vec<Vec<Vec2>> {
+    let rings = std::iter::once(&corners[..]).chain(holes.iter().copied());
+    let rings: Vec<Ring> = rings.filter_map(|ring| Ring::through(ring.to_vec())).collect();
+    let bounds: Vec<Bounds> = rings.iter().map(|ring| ring.bounds().grown(1.0)).collect();
+    let Some((whole, inner)) = bounds.split_first().filter(|(_, inner)| !inner.is_empty()) else {
+        return vec![corners.to_vec()];
+    };
+    let mut cuts: Vec<f64> = inner.iter().map(|of| 0.5 * (of.low.x + of.high.x)).collect();
+    cuts.extend([whole.low.x, whole.high.x]);
+    cuts.sort_by(f64::total_cmp);
+    let polygon: Vec<_> = rings.iter().map(contour).collect();
+    let part = |cut: &[f64]| {
+        let strip = Bounds { low: vec2(cut[0], whole.low.y), high: vec2(cut[1], whole.high.y) };
+        intersection(&polygon, &[contour(&Ring::around(strip))], Fill::EvenOdd)
+    };
+    let parts = cuts.windows(2).filter(|cut| cut[0] < cut[1]).flat_map(part);
+    parts.filter_map(|part| Some(ring(part.first()?)?.corners().to_vec())).collect()
+}
+
 fn geojson(plan: &Plan) -> String {
     let point = |corner: &Vec2| json!([corner.x, corner.y]);
-    let feature = |Written { layer, name, corners, closed }: Written| {
-        let mut points: Vec<Value> = corners.iter().map(point).collect();
-        if closed {
-            points.extend(corners.first().map(point));
-        }
+    let feature = |Written { layer, name, corners, closed, holes }: Written| {
+        let ring = |ring: &[Vec2]| ring.iter().chain(ring.first()).map(point).collect::<Vec<Value>>();
+        let points: Vec<Value> = corners.iter().map(point).collect();
+        let rings = || std::iter::once(&corners[..]).chain(holes).map(ring).collect::<Vec<_>>();
         let geometry = match (closed, &points[..]) {
-            (true, _) => json!({"type": "Polygon", "coordinates": [points]}),
+            (true, _) => json!({"type": "Polygon", "coordinates": rings()}),
             (false, [point]) => json!({"type": "Point", "coordinates": point}),
             (false, _) => json!({"type": "LineString", "coordinates": points}),
         };
@@ -130,26 +238,10 @@ fn polygons(walls: &[Vec<Vec2>]) -> Vec<Vec<usize>> {
             }
         }
     }
-    let around = |k: usize| -> Vec<usize> {
-        let corner = rings[k].2.corners()[0];
-        let holds = |&other: &usize| {
-            let (_, bounds, ring) = &rings[other];
-            other != k && bounds.contains(corner) && ring.contains(corner)
-        };
-        (0..rings.len()).filter(holds).collect()
-    };
-    let around: Vec<Vec<usize>> = (0..rings.len()).map(around).collect();
-    let apart = || (0..rings.len()).filter(|&k| !is_line[k] && !around[k].iter().any(|of| is_line[*of]));
-    let is_rim = |k: usize| around[k].len().is_multiple_of(2);
-    let mut polygons: Vec<Vec<usize>> = vec![Vec::new(); rings.len()];
-    for k in apart().filter(|k| is_rim(*k)) {
-        polygons[k].push(rings[k].0);
-    }
-    for k in apart().filter(|k| !is_rim(*k)) {
-        // The innermost one around it.
-        let of = around[k].iter().copied().filter(|of| is_rim(*of)).max_by_key(|of| around[*of].len());
-        polygons[of.unwrap_or(k)].push(rings[k].0);
-    }
+    let around = around(&rings.iter().map(|(.., ring)| ring).collect::<Vec<_>>());
+    let apart = (0..rings.len()).filter(|&k| !is_line[k] && !around[k].iter().any(|of| is_line[*of]));
+    let mut polygons = grouped(&around, apart, |k| around[k].len().is_multiple_of(2));
+    polygons.iter_mut().flatten().for_each(|k| *k = rings[*k].0);
     polygons.retain(|walls| !walls.is_empty());
     polygons
 }
@@ -159,10 +251,13 @@ fn dxf(plan: &Plan) -> String {
     let mut text = String::from(
         "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n6\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n",
     );
-    for Written { layer, corners, closed, .. } in lines(plan) {
-        let layer = plain(&layer);
+    let parts = |line: &Written| {
+        without_holes(line).into_iter().map(|part| (plain(&line.layer), part, line.closed)).collect()
+    };
+    let parts: Vec<Vec<(String, Vec<Vec2>, bool)>> = lines(plan).iter().map(parts).collect();
+    for (layer, corners, closed) in parts.into_iter().flatten() {
         // Writing to a string does not fail.
-        let _ = match corners {
+        let _ = match corners[..] {
             [at] => write!(text, "0\nPOINT\n8\n{layer}\n10\n{}\n20\n{}\n30\n0.0\n", at.x, at.y),
             _ => write!(
                 text,
