@@ -131,3 +131,38 @@ impl Population {
         Ok(Documents { trial: made.trial, drive, plan: made.decision.map(|(_, plan)| plan) })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The same text is a scenario and a `[population]`, if it says whether people leave.
+    #[test]
+    fn a_population_is_a_scenario() {
+        let directory = lemons_testing::repository().join("crates/scenario/tests/crowds");
+        let mut count = 0;
+        for file in std::fs::read_dir(directory).unwrap().map(|file| file.unwrap().path()) {
+            let text = std::fs::read_to_string(&file).unwrap();
+            let text = if text.contains("leave =") { text } else { format!("leave = false\n{text}") };
+            let population: Population = toml::from_str(&text).unwrap();
+            let scenario = Scenario::read(&Disk, &file).unwrap();
+            assert_eq!(population.0, scenario, "{}", file.display());
+            let mut watch = |_: &_| ControlFlow::Continue(());
+            let made = scenario.documents("crowd", MOST_PEOPLE, &Disk, &mut watch).unwrap();
+            let own = population.documents().unwrap();
+            assert_eq!((own.trial, own.plan), (made.trial, made.decision.map(|(_, plan)| plan)));
+            count += 1;
+        }
+        assert!(count >= 20);
+    }
+
+    #[test]
+    fn keys_of_walking_may_stand_at_the_top() {
+        let text =
+            "number = 9\nbox = [5, 5]\ndoors = [[5, 2, 1]]\nstart = 3\ngroups = 0.5\nmodel = \"straight\"";
+        let Population(flat) = toml::from_str(text).unwrap();
+        let nested = "number = 9\nbox = [5, 5]\ndoors = [[5, 2, 1]]\nleave = true\n[decision]\nstart = 3\n\
+                      model = \"straight\"\ngroups = { share = 0.5 }";
+        assert_eq!(flat, Scenario::from_toml(nested).unwrap());
+    }
+}

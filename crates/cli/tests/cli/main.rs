@@ -10,6 +10,7 @@ mod leaving;
 mod pages;
 mod reference;
 mod results;
+mod scenarios;
 #[cfg(unix)]
 mod signals;
 mod sweep;

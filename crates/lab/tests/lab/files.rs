@@ -1,7 +1,11 @@
 //! Uploads and files to keep.
 
 use crate::*;
+use lemons_core::files::source::Disk;
+use lemons_scenario::{MOST_PEOPLE, Scenario};
 use std::collections::BTreeSet;
+use std::io::Read as _;
+use std::path::Path;
 
 /// The files of the example "push" under a directory, one of them changed.
 fn push_with(directory: &str, changed: &str, change: impl Fn(&str) -> String) -> Vec<u8> {
@@ -269,4 +273,33 @@ fn materials_and_steps_are_changed_as_the_files_have_them() {
         let said = refused(&mut lab, wanted.clone(), &[]);
         assert!(said.contains(words), "{said}");
     }
+}
+
+#[test]
+fn a_scenario_is_made_as_elsewhere() {
+    let directory = lemons_testing::repository().join("crates/scenario/tests/crowds");
+    let mut count = 0;
+    for file in std::fs::read_dir(directory).unwrap().map(|file| file.unwrap().path()) {
+        let (bytes, name) = (std::fs::read(&file).unwrap(), file.file_name().unwrap().to_str().unwrap());
+        let base = json!({"kind": "upload", "name": name, "files": [[name, bytes.len()]]});
+        let mut lab = Lab::default();
+        ok_of(&mut lab, show(base, json!({"kind": "own"})), &bytes);
+        let (_, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
+        let scenario = Scenario::read(&Disk, &file).unwrap();
+        let stem = file.file_stem().unwrap().to_str().unwrap();
+        let mut watch = |_: &_| ControlFlow::Continue(());
+        let made = scenario.documents(stem, MOST_PEOPLE, &Disk, &mut watch).unwrap();
+        let mut expected = made.trial.texts(Path::new(stem));
+        let decision = made.decision.map(|(config, _)| config.to_toml().unwrap());
+        expected.extend(decision.map(|text| (Path::new(stem).join("decision.toml"), text)));
+        let mut archive = ZipArchive::new(Cursor::new(zip)).unwrap();
+        assert_eq!(archive.len(), expected.len(), "{name}");
+        for (path, text) in expected {
+            let mut own = String::new();
+            archive.by_name(path.to_str().unwrap()).unwrap().read_to_string(&mut own).unwrap();
+            assert_eq!(own, text, "{name}: {}", path.display());
+        }
+        count += 1;
+    }
+    assert!(count >= 20);
 }

@@ -1,0 +1,117 @@
+//! Scenarios of `crowds/` are made, written and read again. Tests of command, sweep, lab and Python compare with them.
+
+use lemons_core::files::source::{Disk, Memory};
+use lemons_core::trial::Trial;
+use lemons_decision::{DecisionConfig, Spread};
+use lemons_scenario::{MOST_PEOPLE, Made, Scenario, ScenarioError};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+fn crowds() -> Vec<(String, Scenario)> {
+    let directory = lemons_testing::repository().join("crates/scenario/tests/crowds");
+    let files = std::fs::read_dir(directory).unwrap().map(|file| file.unwrap().path());
+    let mut all: Vec<_> = files
+        .map(|file| {
+            let name = file.file_stem().unwrap().to_string_lossy().into_owned();
+            (name, Scenario::read(&Disk, &file).unwrap())
+        })
+        .collect();
+    all.sort_by(|a, b| a.0.cmp(&b.0));
+    all
+}
+
+fn made(scenario: &Scenario) -> Result<Made, ScenarioError> {
+    scenario.documents("T", MOST_PEOPLE, &Disk, &mut |_| ControlFlow::Continue(()))
+}
+
+fn texts(made: &Made) -> (Vec<(std::path::PathBuf, String)>, Option<String>) {
+    let decision = made.decision.as_ref().map(|(config, _)| config.to_toml().unwrap());
+    (Trial::texts(&made.trial, Path::new("T")), decision)
+}
+
+#[test]
+fn what_is_written_and_read_again_makes_the_same_files() {
+    let all = crowds();
+    assert!(all.len() >= 20);
+    for (name, scenario) in all {
+        let again = Scenario::from_toml(&scenario.to_toml().unwrap()).unwrap();
+        assert_eq!(again, scenario, "{name}");
+        let (first, second) = (made(&scenario).unwrap(), made(&again).unwrap());
+        assert_eq!(texts(&first), texts(&second), "{name}");
+        assert_eq!(first.decision.is_some(), scenario.leave || name == "legs_stand", "{name}");
+        // What is written is what was decided.
+        if let (_, Some(text)) = texts(&first) {
+            let read = DecisionConfig::from_toml(&text).unwrap();
+            assert_eq!(Some(&read), first.decision.as_ref().map(|(config, _)| config), "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_speed_of_kinds_yields_to_that_of_all_only() {
+    let all = crowds();
+    let of = |name: &str| all.iter().find(|(known, _)| known == name).unwrap().1.clone();
+    let decided = |scenario: &Scenario| made(scenario).unwrap().decision.unwrap().0;
+    // 20 % children and 10 % wheelchairs have a speed of their own; who has none has the usual one.
+    let own = decided(&of("mix"));
+    assert_eq!((own.agents.len(), own.desired_speed), (40, Some(Spread::Same(1.34))));
+    let mut usual = of("mix");
+    usual.decision.desired_speed = Some(Spread::Same(1.0));
+    let given = decided(&usual);
+    assert_eq!((&given.agents, given.desired_speed), (&own.agents, Some(Spread::Same(1.0))));
+    let same = decided(&of("mix_speed"));
+    assert_eq!((same.agents.len(), same.desired_speed), (0, Some(Spread::Same(1.1))));
+}
+
+#[test]
+fn keys_are_set_by_name() {
+    let scenario = Scenario::from_toml("number = 9\nbox = [5, 5]").unwrap();
+    let set = scenario.with("mix.child", "10").unwrap().with("decision.groups.share", "0.5").unwrap();
+    assert_eq!(set.mix.len(), 1);
+    assert_eq!(set.decision.groups.unwrap().share, Some(0.5));
+    assert_eq!(scenario.with("material", "human_soft").unwrap().material, "human_soft");
+    for (key, value, words) in [
+        ("wheels", "3", "unknown field `wheels`"),
+        ("number", "many", "invalid type: string \"many\""),
+        ("number.more", "3", "number is no table"),
+        ("decision.speed", "3", "unknown field `speed`"),
+    ] {
+        let said = scenario.with(key, value).unwrap_err().to_string();
+        assert!(said.contains(words), "{key}: {said}");
+    }
+}
+
+#[test]
+fn what_cannot_be_is_said_with_its_key() {
+    for (text, words) in [
+        ("box = [5, 5, 5]", "must be two numbers, not 3"),
+        ("doors = [[1, 2]]", "must be x, y and a width"),
+        ("nubmer = 3", "unknown field `nubmer`"),
+        ("number = 0\nbox = [5, 5]", "`number` = 0: must be from 1"),
+        ("number = 3\nbox = [5, 5]\ngeometry = \"a.xml\"", "`box` and `geometry`: a scenario has one room"),
+        ("number = 3\nbox = [5, 5]\nleave = true", "`leave`: there is no way out"),
+        ("number = 3\nbox = [5, 5]\n[decision]\npush = 9", "`push`: nobody walks without `leave`"),
+        ("number = 3\nbox = [5, 5]\nmix = { adlt = 1 }", "`mix`: there is no kind \"adlt\""),
+        ("number = 3\ngeometry = \"gone.xml\"", "gone.xml"),
+        ("number = 3\ndrawing = { origin = true }\nbox = [5, 5]", "`drawing` is for drawings"),
+        ("number = 3\nbox = [5, 5]\nfriction = 3", "`friction` = 3: must be from 0 to 2"),
+        ("number = 90\nbox = [3, 3]", "90 people do not fit on 9.00 m² without overlap; about "),
+        ("box = [5, 5]", "the number of people is missing in a box of 5 m x 5 m"),
+        (
+            "number = 3\nbox = [5, 5]\ndoors = [[2.5, 2.5, 1]]\nleave = true",
+            "`doors`: door 0 at (2.5, 2.5) m is 2.50 m",
+        ),
+        (
+            "number = 3\nbox = [5, 5]\n[[pushes]]\nat = [50, 50]\nradius = 1\ndirection = 0\nforce = 9\nstart = 0\nduration = 1",
+            "push 1: nobody stands in its circle",
+        ),
+    ] {
+        let said = Scenario::from_toml(text).and_then(|scenario| made(&scenario)).unwrap_err().to_string();
+        assert!(said.contains(words), "{text}: {said}");
+    }
+    // Files are looked for beside the scenario.
+    let mut files = Memory::default();
+    files.put(Path::new("a/b.toml"), b"number = 3\ngeometry = \"c.xml\"".to_vec());
+    let read = Scenario::read(&files, Path::new("a/b.toml")).unwrap();
+    assert_eq!(read.geometry.as_deref(), Some(Path::new("a/c.xml")));
+}
