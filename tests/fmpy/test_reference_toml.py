@@ -1,4 +1,4 @@
-"""docs/reference/decision.md and sweep.md against their readers: every key with its example, of other types, out of its
+"""docs/reference/decision.md, sweep.md and scenario.md against their readers: every key with its example, of other types, out of its
 range; its default; and that the reader knows these keys and no others, which its message about an unknown key lists."""
 
 import copy
@@ -12,7 +12,7 @@ import pages
 import pytest
 from crowd import REPOSITORY
 
-DECISION, SWEEP = "docs/reference/decision.md", "docs/reference/sweep.md"
+DECISION, SWEEP, SCENARIO = (f"docs/reference/{name}.md" for name in ("decision", "sweep", "scenario"))
 # Values of other types, by the first words of a type.
 OTHER = {
     "number": ['"fast"', "true", "nan", "inf", "[1]"],
@@ -29,6 +29,8 @@ OTHER = {
     "tables": ["5", '"x"'],
     "two numbers": ["5", '"x"', "[1.0]", "[1.0, -1.0]"],
     "list of doors": ["5", '"x"', "[5]", "[[1.0, 2.0]]"],
+    "switch": ["5", '"x"', "[]"],
+    "place": ["5", '"x"', "[1.0]", "[1.0, 2.0, 3.0]"],
     "two places": ["[9, 1]", "[[9, 1]]", '"x"', "5"],
     "three places": ["[[9, 1], [9, 5]]", "[9, 1, 9, 5, 10, 5]", "5"],
 }
@@ -161,6 +163,7 @@ class SweepReader(Reader):
         assert self.call("pack", REPOSITORY / "resources/Trial_push", "-o", "push.fmu")[0] == 0
         (directory / "push.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,100,0,0\n1,0,100,0,0\n")
         (directory / "walk.toml").write_bytes((REPOSITORY / "resources/Trial_door/decision.toml").read_bytes())
+        (directory / "crowd.toml").write_text("number = 4\nbox = [5, 5]\n")
         (directory / "points.csv").write_text("TimeStepMechanical\n1e-4\n")
         (directory / "walkable.wkt").write_text("POLYGON ((-1 -1, 50 -1, 50 6, -1 6, -1 -1))")
 
@@ -194,7 +197,6 @@ class SweepReader(Reader):
         "The file": lambda file: file,
         "Parameters": lambda file: file["parameters"]["TimeStepMechanical"],
         "stop": lambda file: file["stop"],
-        "population": lambda file: file["population"],
     }
 
     def base(self, heading, key):
@@ -202,9 +204,6 @@ class SweepReader(Reader):
         if heading == "Parameters":
             # Without a count, whole numbers: of threads.
             file["parameters"] = {"TimeStepMechanical": {"from": 1e-5, "to": 1e-4, "count": 2}}
-        if heading == "population":
-            del file["trial"]
-            file["population"] = {"number": 4, "box": [6.0, 5.0], "doors": [[6.0, 2.5, 1.0]]}
         if heading == "stop":
             file["stop"] = {"of": "speed", "at_least": 1}
         if heading in self.MEASURES:
@@ -214,10 +213,54 @@ class SweepReader(Reader):
         return file
 
 
-READERS = {DECISION: DecisionReader, SWEEP: SweepReader}
+class ScenarioReader(Reader):
+    def __init__(self, directory, lemons):
+        super().__init__(directory, lemons)
+        corners = "".join(f'<Corner Coordinates="{x},{y}"/>' for x, y in [(0, 0), (5, 0), (5, 5), (0, 5), (0, 0)])
+        (directory / "Geometry.xml").write_text(f'<Geometry><Wall Id="0" MaterialId="concrete">{corners}</Wall></Geometry>')
+        # Two lines, on layers of these names.
+        squares = {"walls": (0, 5), "tables": (1, 2)}
+        (directory / "room.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": [
+            {"type": "Feature", "properties": {"layer": layer}, "geometry": {
+                "type": "LineString", "coordinates": [[a, a], [b, a], [b, b], [a, b], [a, a]]}}
+            for layer, (a, b) in squares.items()
+        ]}))
+
+    def read(self):
+        return self.call("crowd", "--scenario", "given.toml", "-o", f"crowd {self.count}")
+
+    BASE = {"number": 4, "box": [5.0, 5.0], "doors": [[5.0, 2.5, 1.0]], "leave": True}
+    PUSH = {"at": [2.5, 2.5], "radius": 9.0, "direction": 0.0, "force": 100.0, "start": 0.0, "duration": 0.2}
+    PLACES = {
+        "The file": lambda file: file,
+        "A region": lambda file: file["regions"][0],
+        "How a drawing is read": lambda file: file["drawing"],
+        "A push": lambda file: file["pushes"][0],
+    }
+
+    def base(self, heading, key):
+        file = copy.deepcopy(self.BASE)
+        if heading == "A region":
+            # One of them takes the others.
+            left, right = ([[a, 0], [b, 0], [b, 5], [a, 5]] for a, b in [(0, 3), (3, 5)])
+            file["regions"] = [{"corners": left}, {"corners": right}]
+        if heading == "A push":
+            file["pushes"] = [dict(self.PUSH)]
+        if key in ("box", "geometry", "room"):
+            del file["doors"]
+        if key in ("box", "geometry", "room", "doors"):
+            del file["leave"]
+        if key == "drawing" or heading == "How a drawing is read":
+            del file["box"]
+            file["geometry"] = "room.geojson"
+            file["drawing"] = {"enclosed": True} if key in ("obstacles", "widest") else {}
+        return file
+
+
+READERS = {DECISION: DecisionReader, SWEEP: SweepReader, SCENARIO: ScenarioReader}
 # Of these two, one must be there, and the other must not.
-EITHER = [("line", "polygon"), ("trial", "fmu"), ("parameters", "table"), ("at_least", "at_most")]
-NOT_BOTH = [*EITHER, ("exit", "goal"), ("trial", "population"), ("fmu", "population")]
+EITHER = [("number", "density"), ("line", "polygon"), ("trial", "fmu"), ("parameters", "table"), ("at_least", "at_most")]
+NOT_BOTH = [*EITHER, ("exit", "goal"), ("trial", "population"), ("fmu", "population"), ("trial", "scenario"), ("box", "geometry"), ("box", "room")]
 
 
 @pytest.fixture(scope="module")

@@ -124,6 +124,19 @@ pub struct DrawingForm {
 }
 
 impl DrawingForm {
+    pub(crate) fn check(&self) -> Result<()> {
+        for (key, value, [low, high]) in [
+            ("unit", self.unit, [1e-6, 1e6]),
+            ("close", self.close, [1e-6, 100.0]),
+            ("deviation", self.deviation, [1e-6, 100.0]),
+            ("widest", self.widest, [1e-6, 100.0]),
+        ] {
+            within(key, value.unwrap_or(low), [low, high])?;
+        }
+        let enclosed = self.enclosed || (self.obstacles.is_empty() && self.widest.is_none());
+        require(enclosed, || "`obstacles`, `widest`: are for `enclosed`".into())
+    }
+
     /// Returns how its lines are read.
     pub fn reading(&self) -> Reading {
         Reading { unit: self.unit, deviation: self.deviation.unwrap_or(DEVIATION) }

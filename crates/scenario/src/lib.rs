@@ -269,6 +269,7 @@ impl Scenario {
         let [width, height] = self.sides.map_or([1.0; 2], |sides| sides.0);
         let good = [width, height].iter().all(|side| (0.1..=1e4).contains(side));
         require(good, || format!("`box` = [{width}, {height}]: must be from 0.1 to 10000 m"))?;
+        self.drawing.check()?;
         self.doors.iter().try_for_each(DoorForm::check)?;
         self.regions.iter().try_for_each(RegionForm::check)?;
         for (key, value, [low, high]) in [

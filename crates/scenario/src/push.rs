@@ -1,6 +1,7 @@
 //! Pushes: pulses on all who stand in a circle.
 
 use crate::error::{Result, impossible};
+use crate::forms::Pair;
 use crate::within;
 use lemons_core::plane::vec2;
 use lemons_core::trial::{Pulse, Trial, drive_of_pulses};
@@ -12,7 +13,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Push {
     /// \[m\] Middle of the circle.
-    pub at: [f64; 2],
+    pub at: Pair,
     /// \[m\]
     pub radius: f64,
     /// \[°\]
@@ -32,7 +33,7 @@ impl Push {
         within("direction of a push [°]", self.direction, [-360.0, 360.0])?;
         within("start of a push [s]", self.start, [0.0, 1e4])?;
         within("duration of a push [s]", self.duration, [0.01, 1e4])?;
-        let ([x, y], &Push { radius, start, duration, .. }) = (self.at, self);
+        let (Pair([x, y]), &Push { radius, start, duration, .. }) = (self.at, self);
         Ok(Pulse { at: vec2(x, y), radius, force: heading(self.direction) * self.force, start, duration })
     }
 }

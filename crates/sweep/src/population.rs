@@ -5,7 +5,7 @@ use crate::points::Points;
 use lemons_core::files::source::Disk;
 use lemons_core::trial::DriveTable;
 use lemons_master::ensure;
-use lemons_scenario::{MOST_PEOPLE, Scenario, ScenarioError, named};
+use lemons_scenario::{MOST_PEOPLE, Scenario, ScenarioError};
 use lemons_sim::Documents;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
@@ -42,7 +42,7 @@ impl<'de> Deserialize<'de> for Population {
 }
 
 fn wrong(error: ScenarioError) -> Error {
-    Error::Spec(named(&error.to_string(), str::to_owned))
+    Error::Spec(error.to_string())
 }
 
 impl Population {

@@ -173,28 +173,36 @@ const OPTIONS: [(&str, &str); 5] = [
     ("people.file", "custom"),
 ];
 
-/// A text about a scenario, in which keys between backticks become options.
-fn as_options(text: &str) -> String {
-    named(text, |key| {
-        let other = OPTIONS.iter().find(|(own, _)| *own == key);
-        format!("--{}", other.map_or(key, |(_, option)| option).replace('_', "-"))
-    })
-}
+/// How keys of a scenario are called: as options, or, of a file, as in it.
+#[derive(Clone, Copy)]
+struct Words<'a>(Option<&'a Path>);
 
-/// An error of a scenario, in words of options.
-fn told(error: ScenarioError) -> anyhow::Error {
-    match error {
-        ScenarioError::Misused(what) => Misused(as_options(&what)).into(),
-        ScenarioError::Stopped => Interrupted::given_up().into(),
-        ScenarioError::Files(problems) => {
-            note!("{problems}");
-            TrialHasErrors.into()
+impl Words<'_> {
+    /// A text about a scenario, in which keys are between backticks.
+    fn text(self, text: &str) -> String {
+        let Some(file) = self.0 else {
+            return named(text, |key| {
+                let other = OPTIONS.iter().find(|(own, _)| *own == key);
+                format!("--{}", other.map_or(key, |(_, option)| option).replace('_', "-"))
+            });
+        };
+        format!("{}: {text}", file.display())
+    }
+
+    fn error(self, error: ScenarioError) -> anyhow::Error {
+        match error {
+            ScenarioError::Misused(what) if self.0.is_none() => Misused(self.text(&what)).into(),
+            ScenarioError::Stopped => Interrupted::given_up().into(),
+            ScenarioError::Files(problems) => {
+                note!("{problems}");
+                TrialHasErrors.into()
+            }
+            ScenarioError::People { of, error } => explained(error).context(self.text(&of)),
+            ScenarioError::NoRoom { ref place, .. } => {
+                anyhow!(self.text(&format!("{place}: {error} (`allow_overlap` places all of them)")))
+            }
+            ScenarioError::Misused(what) | ScenarioError::Impossible(what) => anyhow!(self.text(&what)),
         }
-        ScenarioError::People { of, error } => explained(error).context(as_options(&of)),
-        ScenarioError::NoRoom { ref place, .. } => {
-            anyhow!("{place}: {error} (--allow-overlap places all of them)")
-        }
-        ScenarioError::Impossible(what) => anyhow!(as_options(&what)),
     }
 }
 
@@ -211,6 +219,8 @@ fn saved(mut scenario: Scenario, file: &Path) -> Result<Scenario> {
 }
 
 pub fn crowd(arguments: Arguments) -> Result<()> {
+    let words = Words(arguments.scenario.scenario.as_deref());
+    let told = |error| words.error(error);
     let mut scenario = arguments.scenario()?;
     scenario.check().map_err(told)?;
     let population = scenario.population(&Disk).map_err(told)?;
@@ -238,7 +248,7 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
         say_drawn(read, path);
     }
     let place = scenario.place(&Disk, drawn).map_err(told)?;
-    place.notes.iter().for_each(|said| note!("{}", as_options(said)));
+    place.notes.iter().for_each(|said| note!("{}", words.text(said)));
     let numbers = scenario.numbers(&place).map_err(told)?;
     let settings = scenario.settings();
     if let Some(directory) = &trial.output {
@@ -317,7 +327,7 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
             writeln!(out, "mechanical step    {step:>10} {note}")?;
             let mut notes = Vec::new();
             let decision = scenario.decision(&agents, &made, &place, &mut notes);
-            notes.iter().for_each(|said| note!("{}", as_options(said)));
+            notes.iter().for_each(|said| note!("{}", words.text(said)));
             if let Some(config) = &decision {
                 // A run would refuse it.
                 let plan = scenario.plan(&made, config).map_err(told)?;

@@ -102,23 +102,23 @@ squeeze = { of = "peak_squeeze", take = "max" }
         (
             "child = 20",
             "adlt = 20",
-            "sweep.toml: population: mix: there is no kind \"adlt\" (did you mean \"adult\"?)",
+            "sweep.toml: population: `mix`: there is no kind \"adlt\" (did you mean \"adult\"?)",
         ),
         (
             "child = 20",
             "child = 95",
-            "population: mix: the others have 105 together: nothing of 100 is left for the \"rest\"",
+            "population: `mix`: the others have 105 together: nothing of 100 is left for the \"rest\"",
         ),
         ("box = [6, 5]", "box = [6, 5, 3]", "must be two numbers, not 3"),
-        ("groups = 0.5", "groups = 1.5", "population: groups = 1.5: must be from 0 to 1"),
+        ("groups = 0.5", "groups = 1.5", "population: `groups` = 1.5: must be from 0 to 1"),
         ("min = 0", "min = 2", "population: everybody: start: min = 2, max = 1.5: min must be below max"),
         (", 1, 60]", ", 60, 1]", "[0.0, 2.5, 1.2, 60.0, 1.0]: must be x, y and a width"),
         (
             "doors = [[6, 2.5, 1.5], [0, 2.5, 1.2, 1, 60]]",
             "",
-            "population: groups: nobody walks without leave",
+            "population: `groups`: nobody walks without `leave`",
         ),
-        ("number = 16", "number = 0", "population: number = 0: must be from 1"),
+        ("number = 16", "number = 0", "population: `number` = 0: must be from 1"),
         (
             "number = 16",
             "number = 600",
@@ -127,17 +127,17 @@ squeeze = { of = "peak_squeeze", take = "max" }
         (
             "mix.wheelchair\" = [0, 20]",
             "men\" = [0, 20]",
-            "parameters: population.men = 20, population.seed = 3: men = 20: must be from 0 to 1",
+            "parameters: population.men = 20, population.seed = 3: `men` = 20: must be from 0 to 1",
         ),
         (
             "mix.wheelchair\" = [0, 20]",
             "mix.car\" = [0, 20]",
-            "parameters: population.mix.car = 0, population.seed = 3: mix: there is no kind \"car\"",
+            "parameters: population.mix.car = 0, population.seed = 3: `mix`: there is no kind \"car\"",
         ),
         (
             "mix.wheelchair\" = [0, 20]",
             "wheels\" = [0, 20]",
-            "parameters: population.wheels: unknown field wheels",
+            "parameters: population.wheels: unknown field `wheels`",
         ),
         ("until = 4", "until = 4\nplan = false", "plan: is not for a [population]"),
         (
