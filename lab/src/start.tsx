@@ -41,7 +41,7 @@ export function StartTab() {
             <Scenes />
             <h2>Open your own Trial</h2>
             <p class="note">A zip or a folder with Agents.xml, Geometry.xml, Materials.xml and AgentDynamics.xml; drop it anywhere on this page, or choose it here. It stays on this machine.</p>
-            <FileInput label="Open a zip" accept=".zip,application/zip" onFiles={openTrial} />
+            <FileInput label="Open a zip or a scenario" accept=".zip,.toml,application/zip" onFiles={openTrial} />
             <FileInput label="Open a folder" folder onFiles={openTrial} />
         </section>
     );

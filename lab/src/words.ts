@@ -239,7 +239,7 @@ export const WORDS: [english: string, german: string, french: string][] = [
         "Eine Zip-Datei oder ein Ordner mit Agents.xml, Geometry.xml, Materials.xml und AgentDynamics.xml; legen Sie sie irgendwo auf dieser Seite ab, oder wählen Sie sie hier. Sie bleibt auf diesem Rechner.",
         "Un zip ou un dossier avec Agents.xml, Geometry.xml, Materials.xml et AgentDynamics.xml ; déposez-le sur cette page ou choisissez-le ici. Il reste sur cette machine.",
     ],
-    ["Open a zip", "Zip-Datei öffnen", "Ouvrir un zip"],
+    ["Open a zip or a scenario", "Zip-Datei oder Szenario öffnen", "Ouvrir un zip ou un scénario"],
     ["Open a folder", "Ordner öffnen", "Ouvrir un dossier"],
     // The stage.
     ["Stage", "Bühne", "Scène"],
