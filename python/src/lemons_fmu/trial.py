@@ -118,14 +118,15 @@ def crowd(
     *,
     box: tuple[float, float] | None = None,
     density: float | None = None,
-    seed: int = 1,
+    seed: int | None = None,
     output: Path_ | None = None,
     **others: Option,
 ) -> Trial:
     """Makes a crowd as `lemons crowd` does: people from body statistics, packed without overlap.
 
     `box` is the region with walls [m]; without it, and without `geometry`, people stand in the open. `density` [1/m2] can
-    stand for the number. The same seed gives the same crowd on every machine. All other options of the command have the same
+    stand for the number. The same seed (default 1) gives the same crowd on every machine; so does the same `scenario`, a file
+    that the command has saved. All other options of the command have the same
     names here: `speed=0.5`, `men=0.4`, `direction=90`, `packing="grid"`, `fixed=[49, 25, 1.75, 70]`. The Trial is written to
     `output`, by default to a temporary directory.
 
