@@ -307,41 +307,6 @@ impl DecisionConfig {
         later
     }
 
-    /// Makes settings in which everybody leaves by lines \[m\] with names and the times \[s\] at which they are open (none:
-    /// always), at one speed \[m/s\]; of several, people choose by the expected time.
-    pub fn leaving(
-        model: WalkingModelName,
-        speed: f64,
-        exits: impl IntoIterator<Item = (String, [[f64; 2]; 2], Vec<[f64; 2]>)>,
-    ) -> DecisionConfig {
-        let exit = |(name, line, open): (String, [[f64; 2]; 2], Vec<[f64; 2]>)| {
-            let open = (!open.is_empty()).then_some(open);
-            TargetConfig { name: Some(name), line: Some(line), open, ..TargetConfig::default() }
-        };
-        let exits: Vec<TargetConfig> = exits.into_iter().map(exit).collect();
-        DecisionConfig {
-            model: Some(model),
-            desired_speed: Some(Spread::Same(speed)),
-            exit_choice: (exits.len() > 1).then_some(ExitChoice::Time),
-            exits: Some(exits),
-            ..DecisionConfig::default()
-        }
-    }
-
-    /// Returns the same with a time \[s\] at which each starts to walk, and with a part of the people in groups; the seed
-    /// chooses both.
-    #[must_use]
-    pub fn with_starts_and_groups(
-        self,
-        start: Option<Spread>,
-        groups: Option<f64>,
-        seed: u64,
-    ) -> DecisionConfig {
-        let seed = (start.is_some() || groups.is_some()).then_some(seed).or(self.seed);
-        let groups = groups.map(|share| GroupsConfig { share: Some(share), ..GroupsConfig::default() });
-        DecisionConfig { start: start.or(self.start), groups: groups.or(self.groups), seed, ..self }
-    }
-
     /// Makes settings in which nobody goes anywhere, with legs of a model.
     pub fn standing(balance: BalanceName) -> DecisionConfig {
         DecisionConfig { balance: Some(balance), ..DecisionConfig::default() }

@@ -69,9 +69,13 @@ impl PeopleRequest {
                 let [mut male, mut female] = [None, None];
                 for ((sex, ..), (name, content)) in files.iter().zip(split(&named, bytes)?) {
                     // Both may have one name.
-                    let path = Path::new(sex.name()).join(name);
+                    let used = memory.paths().any(|path| path == Path::new(name));
+                    let path =
+                        if used { Path::new(sex.name()).join(name) } else { Path::new(name).to_owned() };
                     memory.put(&path, content.to_vec());
-                    *if *sex == Sex::Male { &mut male } else { &mut female } = Some(path);
+                    let own = if *sex == Sex::Male { &mut male } else { &mut female };
+                    require(own.is_none(), || format!("{name}: there are two tables of one sex"))?;
+                    *own = Some(path);
                 }
                 People::Tables { male, female }
             }
@@ -123,11 +127,16 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
 const WORDS: [(&str, &str); 2] =
     [("mix", "the mix of kinds"), ("regions", "the region where people are placed")];
 
-/// An error of a scenario in words of the page.
-fn told(error: &ScenarioError) -> Refused {
-    Refused(named(&error.to_string(), |key| {
-        WORDS.iter().find(|(own, _)| *own == key).map_or(key, |(_, words)| words).to_owned()
-    }))
+/// A text about a scenario in words of the page.
+fn words(text: &str) -> String {
+    named(text, |key| WORDS.iter().find(|(own, _)| *own == key).map_or(key, |(_, words)| words).to_owned())
+}
+
+fn told(error: ScenarioError) -> Refused {
+    match error {
+        ScenarioError::Toml(what) => Refused(what),
+        error => Refused(words(&error.to_string())),
+    }
 }
 
 /// Makes a scenario of a file.
@@ -135,7 +144,9 @@ fn told(error: &ScenarioError) -> Refused {
 /// # Errors
 /// As those of [`Scenario::read`] and [`Scenario::documents`].
 pub fn of_file(path: &Path, files: &Memory, watch: &mut Watch) -> Result<Basis, Refused> {
-    let scenario = Scenario::read(files, path).map_err(|error| told(&error))?;
+    let scenario = Scenario::read(files, path).map_err(told)?;
+    within("seed", scenario.seed as f64, [0.0, LARGEST_SEED as f64])?;
+    scenario.room.iter().try_for_each(|room| room::check_drawn(room, None))?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     made(&scenario, name, files, watch)
 }
@@ -147,13 +158,14 @@ fn made(
     watch: &mut Watch,
 ) -> Result<Basis, Refused> {
     let Made { mut trial, agents, crowd, place, drive, decision, notes } =
-        scenario.documents("", MOST_PEOPLE, files, watch).map_err(|error| told(&error))?;
+        scenario.documents("", MOST_PEOPLE, files, watch).map_err(told)?;
     trial.name = name.unwrap_or_else(|| format!("crowd_{}_seed_{}", agents.len(), scenario.seed));
     let packing = &crowd.packing;
     let made = json!({
-        "density": packing.density, "area": place.area(), "iterations": packing.iterations,
+        "density": packing.density, "area": place.area_of(packing), "iterations": packing.iterations,
         "largest_overlap": packing.largest_overlap, "statistics": CrowdStatistics::of(&agents),
     });
     let driven = Driven { drive, ..Driven::alone(trial, Some(agents)) };
+    let notes = notes.iter().map(|note| words(note)).collect();
     Ok(Basis { driven: driven.decided(decision.map(|(config, _)| config))?, notes, made })
 }

@@ -12,6 +12,7 @@ use lemons_people::drawing::{
 };
 use lemons_people::room::{Edit, Room};
 use lemons_people::{Door, PeopleError, is_closed, nearest_wall};
+use lemons_scenario::WALLS;
 use serde::Deserialize;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,8 +20,6 @@ use std::path::Path;
 
 /// Most corners of all walls of a room together.
 const MOST_CORNERS: usize = 5000;
-/// The material of walls.
-const CONCRETE: &str = "concrete";
 /// \[m\] Largest coordinate of a room that is drawn.
 const REACH: f64 = 1000.0;
 
@@ -113,7 +112,7 @@ pub fn replacing(room: &Room, trial: &Trial) -> Result<Geometry, Refused> {
             .any(|Contact { id1, id2, .. }| (id1 == one && id2 == other) || (id1 == other && id2 == one))
     };
     let mut known: Vec<&str> = trial.materials.intrinsic.iter().map(|material| &*material.id).collect();
-    known.sort_by_key(|id| *id != CONCRETE);
+    known.sort_by_key(|id| *id != WALLS);
     let usable = || known.iter().copied().find(|wall| of_people.iter().all(|other| touches(wall, other)));
     let material = trial.geometry.walls.first().map(|wall| &*wall.material_id).or_else(usable);
     let none =

@@ -53,6 +53,8 @@ pub fn example(name: &str) -> Result<Basis, Refused> {
 
 /// Extension of scenarios.
 const SCENARIO: &str = "toml";
+/// Name of a scenario beside other such files.
+const NAMED: &str = "scenario.toml";
 
 /// Returns the path of the only scenario of an upload, and all its files; `None` if it is a Trial, or there is none.
 ///
@@ -67,8 +69,16 @@ pub fn scenario(name: &str, files: &[(&str, &[u8])]) -> Result<Option<(PathBuf, 
     if files.iter().any(is_trial) {
         return Ok(None);
     }
-    let mut found = files.iter().map(|(path, _)| Path::new(path)).filter(|path| is_scenario(path));
-    let (Some(path), None) = (found.next(), found.next()) else { return Ok(None) };
+    let found = files.iter().map(|(path, _)| Path::new(path)).filter(|path| is_scenario(path));
+    let found: Vec<&Path> = found.collect();
+    let path = match found[..] {
+        [] => return Ok(None),
+        [path] => path,
+        ref several => *several
+            .iter()
+            .find(|path| path.ends_with(NAMED))
+            .ok_or_else(|| Refused(format!("{name}: there are several .toml: call the scenario {NAMED}")))?,
+    };
     check(files).map_err(|why| Refused(format!("{name}: {why}")))?;
     let mut memory = Memory::default();
     files.iter().for_each(|(path, file)| memory.put(Path::new(path), file.to_vec()));

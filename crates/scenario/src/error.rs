@@ -11,6 +11,9 @@ pub enum ScenarioError {
     /// A value that is not possible: what, and why.
     #[error("{0}")]
     Impossible(String),
+    /// A text that is no TOML, or has unknown keys or values of another type.
+    #[error("{0}")]
+    Toml(String),
     /// More people than fit.
     #[error(
         "{number} people do not fit on {area:.2} m² without overlap; about {about} of them do, {clear:.1} per m²"
@@ -18,7 +21,7 @@ pub enum ScenarioError {
     NoRoom {
         /// How many.
         number: usize,
-        /// Where.
+        /// Ground and packing.
         place: String,
         /// \[m²\] Area of the ground.
         area: f64,
@@ -26,6 +29,10 @@ pub enum ScenarioError {
         about: usize,
         /// \[1/m²\] Their density.
         clear: f64,
+        /// \[m\] Largest overlap of the others, if all were tried.
+        overlap: Option<f64>,
+        /// Whether `dense` reaches more.
+        better: bool,
     },
     /// The placing was stopped.
     #[error("the placing was stopped")]
@@ -46,10 +53,47 @@ pub enum ScenarioError {
 /// A result of this crate.
 pub type Result<T, E = ScenarioError> = std::result::Result<T, E>;
 
+/// Keys that stand between backticks in messages.
+const KEYS: [&str; 31] = [
+    "allow_overlap",
+    "balance",
+    "box",
+    "decision",
+    "density",
+    "desired_speed",
+    "direction",
+    "doors",
+    "drawing",
+    "exits",
+    "friction",
+    "geometry",
+    "groups",
+    "leave",
+    "material",
+    "men",
+    "mix",
+    "model",
+    "number",
+    "packing",
+    "pedestrians",
+    "people",
+    "people.file",
+    "push",
+    "pushes",
+    "regions",
+    "room",
+    "round",
+    "speed",
+    "start",
+    "time_step",
+];
+
 /// Returns a text with other names of the keys that are between backticks in it.
 pub fn named(text: &str, name: impl Fn(&str) -> String) -> String {
-    let parts = text.split('`').enumerate();
-    parts.map(|(k, part)| if k % 2 == 0 { part.to_owned() } else { name(part) }).collect()
+    KEYS.iter().fold(text.to_owned(), |text, key| match format!("`{key}`") {
+        quoted if text.contains(&quoted) => text.replace(&quoted, &name(key)),
+        _ => text,
+    })
 }
 
 /// Makes an error of a message.

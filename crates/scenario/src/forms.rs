@@ -1,7 +1,7 @@
 //! Values of a scenario's keys that are checked while they are read.
 
 use crate::MOST_PEOPLE;
-use crate::error::{Result, ScenarioError, impossible, require};
+use crate::error::{Result, require};
 use crate::within;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{FARTHEST, LATEST, TIMES};
@@ -89,15 +89,18 @@ impl RegionForm {
         self.corners.iter().map(|Pair([x, y])| vec2(*x, *y)).collect()
     }
 
-    pub(crate) fn check(&self) -> Result<()> {
+    /// Checks the region of a place in the list.
+    pub(crate) fn check(&self, k: usize) -> Result<()> {
         require(self.number.is_none() || self.density.is_none(), || {
-            "`regions`: number and density: give one of them".into()
+            format!("`regions`: region {k}: number and density: give one of them")
         })?;
-        let number = self.number.unwrap_or(1);
+        let (number, density) = (self.number.unwrap_or(1), self.density.unwrap_or(1.0));
         require((1..=MOST_PEOPLE).contains(&number), || {
-            format!("`regions`: number = {number}: must be from 1 to {MOST_PEOPLE}")
+            format!("`regions`: region {k}: number = {number}: must be from 1 to {MOST_PEOPLE}")
         })?;
-        within("regions", self.density.unwrap_or(1.0), [1e-6, 100.0])
+        require((1e-6..=100.0).contains(&density), || {
+            format!("`regions`: region {k}: density = {density}: must be from 0.000001 to 100")
+        })
     }
 }
 
@@ -126,15 +129,15 @@ pub struct DrawingForm {
 impl DrawingForm {
     pub(crate) fn check(&self) -> Result<()> {
         for (key, value, [low, high]) in [
-            ("unit", self.unit, [1e-6, 1e6]),
-            ("close", self.close, [1e-6, 100.0]),
-            ("deviation", self.deviation, [1e-6, 100.0]),
-            ("widest", self.widest, [1e-6, 100.0]),
+            ("drawing.unit", self.unit, [1e-6, 1e6]),
+            ("drawing.close", self.close, [1e-6, 100.0]),
+            ("drawing.deviation", self.deviation, [1e-6, 100.0]),
+            ("drawing.widest", self.widest, [1e-6, 100.0]),
         ] {
             within(key, value.unwrap_or(low), [low, high])?;
         }
         let enclosed = self.enclosed || (self.obstacles.is_empty() && self.widest.is_none());
-        require(enclosed, || "`obstacles`, `widest`: are for `enclosed`".into())
+        require(enclosed, || "`drawing`: obstacles and widest are for enclosed".into())
     }
 
     /// Returns how its lines are read.
@@ -238,11 +241,5 @@ pub(crate) mod method {
         let name = String::deserialize(from)?;
         let found = Method::ALL.into_iter().find(|method| method.name() == name);
         found.ok_or_else(|| D::Error::unknown_variant(&name, &["dense", "paper", "grid"]))
-    }
-}
-
-impl From<String> for ScenarioError {
-    fn from(message: String) -> ScenarioError {
-        impossible(message)
     }
 }

@@ -7,7 +7,9 @@ use lemons_core::trial::Trial;
 use lemons_decision::exit_choice::ExitChoice;
 use lemons_decision::plan::FLAT_PUSH;
 use lemons_decision::rule::{WAYPOINT_RADIUS, Waypoint};
-use lemons_decision::{DEFAULT_SPEED, DecisionConfig, Plan, Spread, TargetConfig, WalkingModelName};
+use lemons_decision::{
+    AgentConfig, DEFAULT_SPEED, DecisionConfig, Plan, Spread, TargetConfig, WalkingModelName,
+};
 use lemons_people::drawing::{self, Read};
 use lemons_people::{Agent, Door};
 
@@ -21,9 +23,13 @@ impl Scenario {
             ("groups", groups.is_some()),
             ("start", start.is_some()),
         ];
-        let walks = [&self.decision.waypoints.is_some(), &self.decision.ways.is_some()].contains(&&true)
-            || self.decision.exits.is_some()
-            || self.decision.goals.is_some();
+        let DecisionConfig { waypoints, ways, exits, goals, agents, .. } = &self.decision;
+        let own = |own: &AgentConfig| own.waypoints.is_some() || own.exit.is_some() || own.goal.is_some();
+        let walks = waypoints.is_some()
+            || ways.is_some()
+            || exits.is_some()
+            || goals.is_some()
+            || agents.values().any(own);
         if let Some((key, _)) =
             only_leaving.into_iter().find(|(_, given)| *given).filter(|_| !self.leave && !walks)
         {
@@ -38,6 +44,12 @@ impl Scenario {
         if self.speed.is_some() && !self.leave && balance.is_some() {
             return Err(ScenarioError::Misused(
                 "`speed`: with `balance` and without `leave`, people stand: leave out one of the two".into(),
+            ));
+        }
+        if self.speed.is_some() && !self.leave && walks {
+            return Err(ScenarioError::Misused(
+                "`speed`: without `leave`, it pushes people; who walks has the `desired_speed` of `decision`"
+                    .into(),
             ));
         }
         let ways_out = self.doors.len()
@@ -61,6 +73,11 @@ impl Scenario {
         notes: &mut Vec<String>,
     ) -> Option<DecisionConfig> {
         let mut config = self.decision.clone();
+        let shares = config.exits.iter().flatten().any(|exit| exit.share.is_some());
+        let drawn = matches!(config.desired_speed, Some(Spread::Drawn(_)));
+        if config.start.is_some() || config.groups.is_some() || config.ways.is_some() || shares || drawn {
+            config.seed.get_or_insert(self.seed);
+        }
         if !self.leave {
             return (config != DecisionConfig::default()).then_some(config);
         }
@@ -76,9 +93,6 @@ impl Scenario {
         }
         config.desired_speed =
             self.speed.map(Spread::Same).or(config.desired_speed).or(Some(Spread::Same(DEFAULT_SPEED)));
-        if config.start.is_some() || config.groups.is_some() || config.ways.is_some() {
-            config.seed.get_or_insert(self.seed);
-        }
         let plan = place.drawn.as_ref().map(|Read { plan, .. }| plan);
         if config.waypoints.is_none() {
             config.waypoints = plan.and_then(|plan| way(plan, notes));

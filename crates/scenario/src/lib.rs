@@ -2,7 +2,7 @@
 //! `decision.toml` and its drive are [made](Scenario::documents) of it.
 //!
 //! Command, sweep, lab and Python fill a [`Scenario`] and make it here, so that the same one gives the same bytes.
-//! `docs/scenario.md` describes the keys. SI units; angles in degrees, counter-clockwise from the x axis.
+//! `docs/reference/scenario.md` describes the keys. SI units; angles in degrees, counter-clockwise from the x axis.
 
 mod error;
 mod forms;
@@ -22,7 +22,7 @@ use error::{Of, impossible, require};
 use lemons_core::files::input;
 use lemons_core::files::source::Source;
 use lemons_core::plane::Pose;
-use lemons_core::trial::Trial;
+use lemons_core::trial::{FARTHEST, Trial};
 use lemons_decision::{DecisionConfig, Plan};
 use lemons_people::placing::{Method, Watch};
 use lemons_people::room::Room;
@@ -33,6 +33,11 @@ use std::path::{Path, PathBuf};
 
 /// Largest number of people.
 pub const MOST_PEOPLE: u32 = 1_000_000;
+/// Most doors, regions and pushes.
+const MOST_PARTS: usize = 1000;
+/// Most corners of room and regions.
+const MOST_CORNERS: usize = 10_000;
+const ROUND: &str = "round bodies are of adults with nothing: take no mix of kinds, or no round bodies";
 /// The material of walls that are made.
 pub const WALLS: &str = "concrete";
 
@@ -59,7 +64,7 @@ pub struct Scenario {
     pub density: Option<f64>,
     /// The same seed gives the same crowd.
     pub seed: u64,
-    /// Whom people are drawn from.
+    /// Source of the people.
     pub people: People,
     /// Probability that a pedestrian is a man; if it is not said, 0.5, or what the statistics say.
     pub men: Option<f64>,
@@ -166,7 +171,7 @@ impl Scenario {
     /// # Errors
     /// The text is not TOML, or has unknown keys or values of another type; with line and column.
     pub fn from_toml(text: &str) -> Result<Scenario> {
-        toml::from_str(text).map_err(|error| ScenarioError::Impossible(error.to_string()))
+        toml::from_str(text).map_err(|error| ScenarioError::Toml(error.to_string()))
     }
 
     /// Reads keys and values.
@@ -175,7 +180,8 @@ impl Scenario {
     /// There are unknown keys, or values of another type.
     pub fn from_table(table: toml::Table) -> Result<Scenario> {
         // The key is on a line of its own.
-        let error = |error: toml::de::Error| impossible(error.to_string().trim_end().replace('\n', " "));
+        let error =
+            |error: toml::de::Error| ScenarioError::Toml(error.to_string().trim_end().replace('\n', " "));
         table.try_into().map_err(error)
     }
 
@@ -207,9 +213,9 @@ impl Scenario {
     /// # Errors
     /// There is no such key, or it has no such value. Whether the value fits to others is not checked.
     pub fn with(&self, key: &str, value: &str) -> Result<Scenario> {
+        let number = || value.parse::<f64>().ok().filter(|number| number.is_finite()).map(toml::Value::Float);
         let text = || toml::Value::String(value.to_owned());
-        let read = toml::from_str::<toml::Table>(&format!("value = {value}"));
-        let value = read.ok().and_then(|mut table| table.remove("value")).unwrap_or_else(text);
+        let value = value.parse::<toml::Value>().ok().or_else(number).unwrap_or_else(text);
         let mut table =
             toml::Table::try_from(self).map_err(|error| ScenarioError::Impossible(error.to_string()))?;
         let (tables, last) = key.rsplit_once('.').map_or((None, key), |(tables, last)| (Some(tables), last));
@@ -230,6 +236,7 @@ impl Scenario {
     pub fn documents(&self, name: &str, most: u32, files: &dyn Source, watch: &mut Watch) -> Result<Made> {
         self.check()?;
         let population = self.population(files)?;
+        require(!population.has_bicycles(), || "`pedestrians`: no Trial holds bicycles".into())?;
         let drawn = self.drawn(files)?;
         let place = self.place(files, drawn)?;
         let numbers = self.numbers(&place)?;
@@ -271,7 +278,7 @@ impl Scenario {
         require(good, || format!("`box` = [{width}, {height}]: must be from 0.1 to 10000 m"))?;
         self.drawing.check()?;
         self.doors.iter().try_for_each(DoorForm::check)?;
-        self.regions.iter().try_for_each(RegionForm::check)?;
+        self.regions.iter().enumerate().try_for_each(|(k, region)| region.check(k))?;
         for (key, value, [low, high]) in [
             ("density", self.density, [1e-6, 100.0]),
             ("men", self.men, [0.0, 1.0]),
@@ -286,9 +293,27 @@ impl Scenario {
         require(SKINS.contains(&&*self.material), || {
             format!("`material` = {:?}: must be one of {}", self.material, SKINS.join(", "))
         })?;
-        require(!self.round || self.mix.is_empty(), || {
-            "round bodies are of adults with nothing: take no mix of kinds, or no round bodies".into()
+        require(!self.round || self.mix.is_empty(), || ROUND.into())?;
+        for (key, count) in
+            [("doors", self.doors.len()), ("regions", self.regions.len()), ("pushes", self.pushes.len())]
+        {
+            require(count <= MOST_PARTS, || format!("`{key}`: {count} are more than {MOST_PARTS}"))?;
+        }
+        let of_regions = self.regions.iter().flat_map(RegionForm::corners);
+        let of_room = self.room.iter().flat_map(|room| {
+            let walls = room.walls.iter().map(|wall| &wall.corners);
+            std::iter::once(&room.outline).chain(&room.obstacles).chain(walls).flatten().copied()
+        });
+        let (mut count, mut far) = (0, false);
+        of_regions.chain(of_room).for_each(|corner| {
+            count += 1;
+            far |= ![corner.x, corner.y].iter().all(|x| x.abs() <= FARTHEST);
+        });
+        require(count <= MOST_CORNERS, || {
+            format!("`room`, `regions`: {count} corners are more than {MOST_CORNERS}")
         })?;
+        require(!far, || format!("`room`, `regions`: corners must be from -{FARTHEST:e} to {FARTHEST:e} m"))?;
+        self.pushes.iter().try_for_each(Push::check)?;
         self.people.check()?;
         self.check_leaving()?;
         let shares = forms::shares(&self.mix)?;

@@ -3,7 +3,7 @@
 use crate::error::{Of, Result, ScenarioError, impossible, require};
 use crate::forms::{self, OrientationName};
 use crate::place::{Ground, Place};
-use crate::{MOST_PEOPLE, Scenario};
+use crate::{MOST_PEOPLE, ROUND, Scenario};
 use lemons_core::files::input;
 use lemons_core::files::source::Source as Files;
 use lemons_core::plane::{Pose, Vec2};
@@ -150,6 +150,7 @@ impl Scenario {
         proportions.pedestrians = self.pedestrians.unwrap_or(proportions.pedestrians);
         let population = Population::new(source, proportions, bicycles);
         let population = if custom.is_empty() { population? } else { population.of(named)? };
+        require(!self.round || mix.is_empty(), || ROUND.into())?;
         if mix.is_empty() {
             return Ok(population);
         }
@@ -185,7 +186,7 @@ impl Scenario {
         if open == 0.0
             && let Some(key) = number.map(|_| "number").or(density.map(|_| "density"))
         {
-            return Err(misused(format!("`{key}`: each `regions` says itself how many people it has")));
+            return Err(misused(format!("`{key}`: the `regions` say themselves how many people they have")));
         }
         let mut before = 0.0;
         let mut on = |Ground { free, name, amount }: &Ground| {
@@ -208,8 +209,8 @@ impl Scenario {
                 }
                 (_, None, None) => {
                     return Err(misused(format!(
-                        "the number of people is missing in {name}: give `number` or `density`, or ; number=N or \
-                         ; density=D after the corners of a `regions`"
+                        "the number of people is missing in {name}: give `number` or `density`, of all or of \
+                         each of the `regions`"
                     )));
                 }
             };
@@ -301,8 +302,17 @@ impl Scenario {
             )));
         }
         let (area, clear) = (region.area(), packing.clear_density);
-        let about = (area * clear).floor() as usize;
-        Err(ScenarioError::NoRoom { number: count, place: name.clone(), area, about, clear })
+        let (about, packing) = ((area * clear).floor() as usize, packing);
+        let overlap = (tried.len() == count).then_some(packing.largest_overlap);
+        Err(ScenarioError::NoRoom {
+            number: count,
+            place: format!("{name}, {packed}"),
+            area,
+            about,
+            clear,
+            overlap,
+            better: self.packing == Method::Paper,
+        })
     }
 
     /// Makes the Trial of people who were placed, with these shapes.

@@ -1,15 +1,16 @@
 //! Where people stand: the walls of the room, its doors, and the ground that walls leave.
 
-use crate::error::{Of, Result, ScenarioError, impossible};
+use crate::error::{Of, Result, ScenarioError, impossible, require};
 use crate::forms::{Pair, RegionForm};
 use crate::leave::no_way_out;
 use crate::{Scenario, WALLS};
 use lemons_core::files::source::Source as Files;
-use lemons_core::plane::{Bounds, Vec2, vec2};
+use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use lemons_people::drawing::{Format, LARGEST_DRAWING, Place as DrawnPlace, Read};
 use lemons_people::places::inside;
-use lemons_people::placing::{FreeSpace, Region};
+use lemons_people::placing::{FreeSpace, Packing, Region};
+use lemons_people::room::Room;
 use lemons_people::{Door, PeopleError, closed_walls, cut_doors, walls};
 
 /// What to do about doors where walls have openings.
@@ -19,27 +20,27 @@ const DOORS: &str = "a door is in a closed wall of the room where people stand (
 /// \[m\] About how broad people are across the shoulders.
 const NARROW: f64 = 0.5;
 
-/// Where people stand together.
+/// Ground on which people stand together.
 #[derive(Debug, Clone)]
 pub struct Ground {
-    /// What walls leave of it.
+    /// Ground that walls leave.
     pub free: FreeSpace,
-    /// As messages call it.
+    /// Name in messages.
     pub name: String,
     /// Number of people, or their density \[1/m²\]; neither: as the scenario says.
     pub amount: (Option<u32>, Option<f64>),
 }
 
-/// Where people may stand, and its walls.
+/// Room in which people may stand, with its walls.
 #[derive(Debug, Clone)]
 pub struct Place {
-    /// At least one.
+    /// Grounds, at least one.
     pub grounds: Vec<Ground>,
-    /// With doors.
+    /// Walls, with doors.
     pub geometry: Geometry,
     /// \[m\] The walls that doors were cut into, without them.
     pub lines: Vec<Vec<Vec2>>,
-    /// As the user named it.
+    /// Name that the user gave it.
     pub name: String,
     /// Whether the grounds are regions.
     pub has_regions: bool,
@@ -47,7 +48,7 @@ pub struct Place {
     pub drawn: Option<Read>,
     /// Doors that were cut.
     pub doors: Vec<Door>,
-    /// What was chosen, and what is probably not meant.
+    /// Notes of what was chosen, and of what is probably not meant.
     pub notes: Vec<String>,
 }
 
@@ -55,6 +56,11 @@ impl Place {
     /// Returns whether people stand in the open.
     pub fn is_plane(&self) -> bool {
         self.grounds[0].free.region.is_plane()
+    }
+
+    /// Returns the area \[m²\] of all grounds; in the open, of the convex hull of who was placed.
+    pub fn area_of(&self, packing: &Packing) -> f64 {
+        if self.is_plane() { packing.poses.len() as f64 / packing.density } else { self.area() }
     }
 
     /// Returns the area of all grounds \[m²\].
@@ -99,7 +105,7 @@ impl Scenario {
             return Ok(Walls { geometry: walls(region.rings(), WALLS), name, whole: Ok(region) });
         }
         if let Some(room) = &self.room {
-            let (whole, geometry) = room.uncut(WALLS)?;
+            let (whole, geometry) = room.uncut(WALLS).of(|| "`room`".into())?;
             return Ok(Walls { geometry, name: "the room".into(), whole: Ok(whole) });
         }
         let Some(path) = &self.geometry else {
@@ -163,69 +169,35 @@ impl Scenario {
             grounds(&regions, &geometry, &name)?
         };
         let has_regions = !regions.is_empty();
+        let doors = self.all_doors(drawn.as_mut());
+        let exits = self.decision.exits.as_ref().map_or(0, Vec::len);
+        let drawn_exits = drawn.as_ref().map_or(0, |drawn| drawn.plan.exits.len());
+        if self.leave && doors.len() + exits + drawn_exits == 0 {
+            return Err(no_way_out());
+        }
         if let Some(room) = &self.room {
-            let (geometry, lines) = (room.with_doors(geometry)?, room.lines()?);
-            let doors = room.doors.clone();
+            let within = grounds.iter().all(|ground| !has_regions || !ground.free.rooms.is_empty());
+            require(within, || "`regions`: more than half of one lies outside the `room`".into())?;
+            let (named, lines) = (|| "`room`".to_owned(), room.lines().of(|| "`room`".into())?);
+            let geometry = Room { doors: doors.clone(), ..room.clone() }.with_doors(geometry).of(named)?;
             return Ok(Place { grounds, geometry, lines, name, has_regions, drawn, doors, notes });
         }
         let closed = closed_walls(&geometry);
-        let doors = self.all_doors(drawn.as_mut());
         if !doors.is_empty() && closed.is_empty() {
             return Err(ScenarioError::Misused(format!(
                 "`doors`: there is no closed wall in {name}: {DOORS}"
             )));
         }
         let cut = cut_doors(geometry.clone(), &doors).of(|| "`doors`".into())?;
-        self.check_doors(&doors, &grounds, &geometry, &mut notes)?;
+        check_doors(&doors, &grounds, &geometry, &closed, &mut notes)?;
         let lines = closed.iter().map(|ring| ring.closed().to_vec()).collect();
-        let exits = self.decision.exits.as_ref().map_or(0, Vec::len);
-        let drawn_exits = drawn.as_ref().map_or(0, |drawn| drawn.plan.exits.len());
-        if self.leave && doors.len() + exits + drawn_exits == 0 {
-            return Err(no_way_out());
-        }
         Ok(Place { grounds, geometry: cut, lines, name, has_regions, drawn, doors, notes })
     }
 
-    /// People would walk into a pillar, or get stuck.
-    fn check_doors(
-        &self,
-        doors: &[Door],
-        grounds: &[Ground],
-        uncut: &Geometry,
-        notes: &mut Vec<String>,
-    ) -> Result<()> {
-        let closed = closed_walls(uncut);
-        let free = || grounds.iter().map(|ground| &ground.free);
-        for (number, door) in doors.iter().enumerate() {
-            if let Some(Wall { id, .. }) = door.wall(uncut)
-                && free().any(|free| free.obstacles.contains(id))
-                && !free().any(|free| free.rooms.contains(id))
-            {
-                let ([x, y], width): ([f64; 2], f64) = (door.at.into(), door.width);
-                return Err(impossible(format!(
-                    "`doors` {x},{y},{width}: the nearest closed wall is {id}, an obstacle: nobody stands inside it; {DOORS}"
-                )));
-            }
-            if door.width < NARROW {
-                notes.push(format!(
-                    "note: `doors`: door {number} is {} m wide: people are about {NARROW} m broad, and may get stuck",
-                    (door.width * 1e6).round() / 1e6
-                ));
-            }
-            // A corner lies between the ends of the gap.
-            if door.course(&closed).len() > 2 {
-                notes.push(format!(
-                    "note: `doors`: door {number} goes round a corner of its wall, because the corner is nearer than half \
-                     the width"
-                ));
-            }
-        }
-        Ok(())
-    }
-
-    /// Those that were given, and those for the exits of a drawing that lie on its walls.
+    /// The doors that were given, and those for the exits of a drawing that lie on its walls.
     fn all_doors(&self, drawn: Option<&mut Read>) -> Vec<Door> {
-        let mut doors: Vec<Door> = self.doors.iter().map(|door| door.0.clone()).collect();
+        let of_room = self.room.iter().flat_map(|room| &room.doors);
+        let mut doors: Vec<Door> = of_room.chain(self.doors.iter().map(|door| &door.0)).cloned().collect();
         let Some(Read { plan, .. }) = drawn else { return doors };
         let new = plan.doors();
         doors.extend(new.iter().map(|(_, door)| door.clone()));
@@ -277,4 +249,40 @@ fn grounds(regions: &[RegionForm], geometry: &Geometry, place: &str) -> Result<V
         grounds.push(Ground { free, name, amount: (region.number, region.density) });
     }
     Ok(grounds)
+}
+
+/// Refuses doors by which people would walk into a pillar, and notes those in which they may get stuck.
+fn check_doors(
+    doors: &[Door],
+    grounds: &[Ground],
+    uncut: &Geometry,
+    closed: &[Ring],
+    notes: &mut Vec<String>,
+) -> Result<()> {
+    let free = || grounds.iter().map(|ground| &ground.free);
+    for (number, door) in doors.iter().enumerate() {
+        if let Some(Wall { id, .. }) = door.wall(uncut)
+            && free().any(|free| free.obstacles.contains(id))
+            && !free().any(|free| free.rooms.contains(id))
+        {
+            let ([x, y], width): ([f64; 2], f64) = (door.at.into(), door.width);
+            return Err(impossible(format!(
+                "`doors` {x},{y},{width}: the nearest closed wall is {id}, an obstacle: nobody stands inside it; {DOORS}"
+            )));
+        }
+        if door.width < NARROW {
+            notes.push(format!(
+                "note: `doors`: door {number} is {} m wide: people are about {NARROW} m broad, and may get stuck",
+                (door.width * 1e6).round() / 1e6
+            ));
+        }
+        // A corner lies between the ends of the gap.
+        if door.course(closed).len() > 2 {
+            notes.push(format!(
+                "note: `doors`: door {number} goes round a corner of its wall, because the corner is nearer than half \
+                 the width"
+            ));
+        }
+    }
+    Ok(())
 }

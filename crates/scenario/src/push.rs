@@ -1,8 +1,7 @@
 //! Pushes: pulses on all who stand in a circle.
 
-use crate::error::{Result, impossible};
+use crate::error::{Result, impossible, require};
 use crate::forms::Pair;
-use crate::within;
 use lemons_core::plane::vec2;
 use lemons_core::trial::{Pulse, Trial, drive_of_pulses};
 use lemons_people::heading;
@@ -27,12 +26,22 @@ pub struct Push {
 }
 
 impl Push {
+    /// Checks that each number is in its range.
+    pub(crate) fn check(&self) -> Result<()> {
+        for (what, value, [low, high]) in [
+            ("radius of a push [m]", self.radius, [0.01, 1000.0]),
+            ("force of a push [N]", self.force, [0.0, 1e5]),
+            ("direction of a push [°]", self.direction, [-360.0, 360.0]),
+            ("start of a push [s]", self.start, [0.0, 1e4]),
+            ("duration of a push [s]", self.duration, [0.01, 1e4]),
+        ] {
+            require((low..=high).contains(&value), || format!("{what} = {value}: must be {low} to {high}"))?;
+        }
+        Ok(())
+    }
+
     fn pulse(&self) -> Result<Pulse> {
-        within("radius of a push [m]", self.radius, [0.01, 1000.0])?;
-        within("force of a push [N]", self.force, [0.0, 1e5])?;
-        within("direction of a push [°]", self.direction, [-360.0, 360.0])?;
-        within("start of a push [s]", self.start, [0.0, 1e4])?;
-        within("duration of a push [s]", self.duration, [0.01, 1e4])?;
+        self.check()?;
         let (Pair([x, y]), &Push { radius, start, duration, .. }) = (self.at, self);
         Ok(Pulse { at: vec2(x, y), radius, force: heading(self.direction) * self.force, start, duration })
     }

@@ -18,9 +18,9 @@ pub(crate) const PREFIX: &str = "population.";
 const WALKING: [(&str, &str); 4] =
     [("model", "model"), ("start", "start"), ("groups", "groups.share"), ("push", "push")];
 
-/// Crowd and its room.
+/// Crowd and its room, and the directory in which its files are.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Population(Scenario);
+pub(crate) struct Population(Scenario, PathBuf);
 
 impl<'de> Deserialize<'de> for Population {
     /// With doors, everybody leaves, if it is not said.
@@ -37,12 +37,15 @@ impl<'de> Deserialize<'de> for Population {
         if !has_leave {
             scenario.leave = !scenario.doors.is_empty();
         }
-        Ok(Population(scenario))
+        Ok(Population(scenario, PathBuf::new()))
     }
 }
 
 fn wrong(error: ScenarioError) -> Error {
-    Error::Spec(error.to_string())
+    match error {
+        ScenarioError::NoRoom { ref place, .. } => Error::Spec(format!("{place}: {error}")),
+        error => Error::Spec(error.to_string()),
+    }
 }
 
 impl Population {
@@ -51,7 +54,16 @@ impl Population {
     /// # Errors
     /// Those of [`Scenario::read`].
     pub fn read(path: &Path) -> Result<Population> {
-        Scenario::read(&Disk, path).map(Population).map_err(wrong)
+        let scenario = Scenario::read(&Disk, path).map_err(wrong)?;
+        // Its own paths begin there already; those of parameters do, too.
+        Ok(Population(scenario, path.parent().unwrap_or(Path::new("")).to_owned()))
+    }
+
+    /// Finds files in a directory.
+    pub fn within(mut self, directory: &Path) -> Population {
+        self.0.each_path(|path| *path = directory.join(&*path));
+        self.1 = directory.to_owned();
+        self
     }
 
     /// Returns the paths of files that it is made of.
@@ -59,12 +71,6 @@ impl Population {
         let mut files = Vec::new();
         self.0.clone().each_path(|path| files.push(path.clone()));
         files
-    }
-
-    /// Finds files in a directory.
-    pub fn within(mut self, directory: &Path) -> Population {
-        self.0.each_path(|path| *path = directory.join(&*path));
-        self
     }
 
     /// Returns of each parameter whether it is a key of the population.
@@ -106,7 +112,16 @@ impl Population {
         }
         let own = WALKING.iter().find(|(known, _)| *known == key);
         let key = own.map_or_else(|| key.to_owned(), |(_, to)| format!("decision.{to}"));
-        self.0.with(&key, value).map(Population).map_err(wrong)
+        let mut own = self.0.with(&key, value).map_err(wrong)?;
+        if key == "geometry" || key.starts_with("people.") {
+            let before = self.files();
+            own.each_path(|path| {
+                if !before.contains(path) {
+                    *path = self.1.join(&*path);
+                }
+            });
+        }
+        Ok(Population(own, self.1))
     }
 
     /// Checks keys and values.
@@ -160,7 +175,7 @@ mod tests {
     fn keys_of_walking_may_stand_at_the_top() {
         let text =
             "number = 9\nbox = [5, 5]\ndoors = [[5, 2, 1]]\nstart = 3\ngroups = 0.5\nmodel = \"straight\"";
-        let Population(flat) = toml::from_str(text).unwrap();
+        let Population(flat, _) = toml::from_str(text).unwrap();
         let nested = "number = 9\nbox = [5, 5]\ndoors = [[5, 2, 1]]\nleave = true\n[decision]\nstart = 3\n\
                       model = \"straight\"\ngroups = { share = 0.5 }";
         assert_eq!(flat, Scenario::from_toml(nested).unwrap());

@@ -50,8 +50,8 @@ pub struct Spec {
 }
 
 /// The keys of the file that say where something is, or how it is set: what they mean is compared instead.
-const ELSEWHERE: [&str; 9] =
-    ["trial", "fmu", "step", "drive", "plan", "algorithm", "parameters", "table", "walkable"];
+const ELSEWHERE: [&str; 10] =
+    ["trial", "fmu", "step", "drive", "plan", "algorithm", "parameters", "table", "walkable", "scenario"];
 
 /// When a point ends.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -148,7 +148,6 @@ impl Spec {
             }
             (Some(_), Some(_)) => return Err("scenario: is another [population]: give one of them".into()),
         };
-        inputs.extend(population.iter().flat_map(Population::files));
         let (key, model) = match (document.trial, document.fmu, &population) {
             (Some(path), None, None) => ("trial", path),
             (None, Some(path), None) => ("fmu", path),
@@ -235,8 +234,9 @@ impl Spec {
         };
         for (place, (name, _)) in models.all.iter().enumerate() {
             let Some(population) = &population else { break };
-            let checked = population.at(&points, models.first_point(place)).map(drop);
-            checked.place(|| name.display().to_string()).place(|| "parameters".into())?;
+            let own = population.at(&points, models.first_point(place));
+            let own = own.place(|| name.display().to_string()).place(|| "parameters".into())?;
+            inputs.extend(own.files());
         }
         for (path, plan) in models.all.iter().filter(|_| population.is_none()) {
             inputs.push(path.clone());
@@ -323,7 +323,7 @@ mod tests {
             let error = read(&text(&wrong)).unwrap_err();
             assert!(error.contains("population.mix.wheelchair = 95"), "{error}");
             assert!(
-                error.ends_with("mix: the others have 105 together: nothing of 100 is left for the \"rest\""),
+                error.ends_with("`mix`: the others have 105 together: nothing of 100 is left for the \"rest\""),
                 "{error}"
             );
         }

@@ -63,7 +63,7 @@ pub struct Arguments {
 
 #[derive(clap::Args)]
 struct ScenarioArguments {
-    /// A scenario, as --save-scenario writes it (docs/scenario.md). Other options change it
+    /// A scenario, as --save-scenario writes it (docs/reference/scenario.md). Other options change it
     #[arg(long, value_name = "FILE.toml")]
     scenario: Option<PathBuf>,
     /// Write what the options say as a scenario, which makes the same crowd
@@ -198,12 +198,25 @@ impl Words<'_> {
                 TrialHasErrors.into()
             }
             ScenarioError::People { of, error } => explained(error).context(self.text(&of)),
-            ScenarioError::NoRoom { ref place, .. } => {
-                anyhow!(self.text(&format!("{place}: {error} (`allow_overlap` places all of them)")))
+            ScenarioError::NoRoom { ref place, overlap, better, .. } => {
+                let others = overlap.map_or(String::new(), |overlap| {
+                    let overlap = 1e3 * overlap;
+                    format!("; the others overlap by up to {overlap:.2} mm (`allow_overlap` writes it so)")
+                });
+                let better = if better { "; `packing` dense reaches more" } else { "" };
+                anyhow!(self.text(&format!("{place}: {error}{others}{better}")))
             }
+            ScenarioError::Toml(what) => anyhow!(what),
             ScenarioError::Misused(what) | ScenarioError::Impossible(what) => anyhow!(self.text(&what)),
         }
     }
+}
+
+/// Names of the files that a scenario has beside those of all Trials.
+fn beside(scenario: &Scenario) -> Vec<&'static str> {
+    let decides = scenario.leave || scenario.decision != DecisionConfig::default();
+    let all = [(DECISION_FILE, decides), (DRIVE_FILE, !scenario.pushes.is_empty())];
+    all.into_iter().filter(|(_, is_there)| *is_there).map(|(name, _)| name).collect()
 }
 
 /// A scenario as it is in a file: paths are relative to its directory, or absolute.
@@ -236,8 +249,10 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
         }
     }
     let Arguments { trial, others, .. } = &arguments;
-    let decides = scenario.leave || scenario.decision != DecisionConfig::default();
-    if decides && trial.output.is_none() && trial.zip.is_none() && arguments.scenario.save_scenario.is_none()
+    if beside(&scenario).contains(&DECISION_FILE)
+        && trial.output.is_none()
+        && trial.zip.is_none()
+        && arguments.scenario.save_scenario.is_none()
     {
         bail!(Misused(
             "--leave and --balance write decision.toml into a Trial: give -o TRIAL or --zip FILE.zip".into()
@@ -255,26 +270,28 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
         may_write(directory, trial.force).context("-o")?;
     }
     let binaries = trial.fmu.as_ref().map(|_| trial.packing.binaries(&CROWD)).transpose()?;
-    let mut outputs = arguments.outputs(decides)?;
+    let mut outputs = arguments.outputs(&beside(&scenario))?;
     // Known before a long packing.
     let makeable = settings.check(&place.geometry);
     if trial.wanted() || outputs.have_any(&["--svg", "--pdf", "--png"]) {
         makeable.as_ref().map_err(|error| anyhow!("cannot make a Trial of {}: {error}", place.name))?;
     }
     // Of a Trial that is refused nothing more is told.
-    let beside = if decides { &[DECISION_FILE][..] } else { &[] };
-    for said in trial.output.iter().flat_map(|directory| files::staying(directory, beside)) {
+    let beside = beside(&scenario);
+    for said in trial.output.iter().flat_map(|directory| files::staying(directory, &beside)) {
         note!("{said}");
     }
+    let save = arguments.scenario.save_scenario.as_ref();
+    let saved = save.map(|file| saved(scenario.clone(), file)?.to_toml().map_err(told)).transpose()?;
     let interrupt = Interrupt::watch();
 
     let agents: Vec<Agent> = population.agents(scenario.seed).take(numbers.iter().sum()).collect();
     others.check_bodies(&agents)?;
     let started = Instant::now();
     let Crowd { packing, densities, shapes } =
-        placed(&scenario, &agents, &place, &numbers, &interrupt).map_err(told)?;
+        placed(&scenario, &agents, &place, &numbers, &interrupt)?.map_err(told)?;
     let seconds = started.elapsed().as_secs_f64();
-    let ground = if place.is_plane() { shapes.len() as f64 / packing.density } else { place.area() };
+    let ground = place.area_of(&packing);
     // Of a bicycle the two rectangles, not the disks that keep others off them.
     let area = |(agent, shape): (&Agent, &Shape)| match agent {
         Agent::Pedestrian(_) | Agent::Member(_) => shape.moments().area,
@@ -304,10 +321,8 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
     writeln!(out, "{}", line("largest overlap", 1e3 * packing.largest_overlap, "mm"))?;
 
     let crowd: Vec<(Agent, Pose)> = agents.iter().cloned().zip(packing.poses).collect();
-    if let Some(file) = &arguments.scenario.save_scenario {
-        let text = saved(scenario.clone(), file)?.to_toml().map_err(told)?;
-        outputs.fill("--save-scenario", |file| file.write_all(text.as_bytes()))?;
-    }
+    outputs
+        .fill("--save-scenario", |file| file.write_all(saved.as_deref().unwrap_or_default().as_bytes()))?;
     outputs.fill("--population", |file| file.write_all(crowd_csv(&agents).as_bytes()))?;
     if let Some(output) = outputs.of("--light-xml") {
         let text = light_xml(&crowd)?;
@@ -393,12 +408,13 @@ impl TrialArguments {
         if let (Some(file), Some(binaries)) = (&self.fmu, binaries) {
             let scratch = Scratch::new().context("cannot make a temporary directory")?;
             let directory = scratch.path().join(&trial.name);
-            write_trial(trial, &[], &directory, false)?;
+            let drive: Vec<_> = beside.iter().copied().filter(|(name, _)| *name == DRIVE_FILE).collect();
+            write_trial(trial, &drive, &directory, false)?;
             let (trials, format) = ([TrialInput::open(&directory)?], self.fmi.format(self.packing.naming()));
             // Its warnings are those printed already.
             let written = write_fmu(&trials, binaries, format, file, None);
             wrote("FMU", file, written.map(drop));
-            for (name, _) in beside {
+            for (name, _) in beside.iter().filter(|(name, _)| *name == DECISION_FILE) {
                 note!(
                     "note: {name} is not in {}: lemons decide makes the FMU that moves its people, of the Trial",
                     file.display()
@@ -475,7 +491,7 @@ impl Arguments {
     }
 
     /// Opens what is written beside the Trial.
-    fn outputs(&self, decides: bool) -> Result<Outputs> {
+    fn outputs(&self, beside: &[&str]) -> Result<Outputs> {
         let (trial, others) = (&self.trial, &self.others);
         // Whether they can be written is better known before a long packing.
         for path in [&trial.zip, &trial.fmu].into_iter().flatten() {
@@ -483,8 +499,7 @@ impl Arguments {
         }
         if let Some(directory) = &trial.output {
             files::claim_directory(directory)?;
-            let decision = decides.then_some(&DECISION_FILE);
-            TRIAL_FILES.iter().chain(decision).try_for_each(|file| files::claim(&directory.join(file)))?;
+            TRIAL_FILES.iter().chain(beside).try_for_each(|file| files::claim(&directory.join(file)))?;
         }
         Outputs::open(&[
             ("--population", "population", &others.population),

@@ -12,7 +12,9 @@ use lemons_core::plane::{Vec2, vec2};
 use lemons_people::Agent;
 use lemons_people::drawing::{Format, Read};
 use lemons_people::placing::{Method, Orientation, Progress, Stage};
-use lemons_scenario::{Crowd, DoorForm, OrientationName, Pair, Place, RegionForm, Scenario, ScenarioError};
+use lemons_scenario::{
+    Crowd, DoorForm, DrawingForm, OrientationName, Pair, Place, RegionForm, Scenario, ScenarioError,
+};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -74,6 +76,7 @@ impl PlacingArguments {
     pub fn fill(&self, scenario: &mut Scenario) -> Result<()> {
         if self.sides.is_some() || self.geometry.is_some() || self.open {
             (scenario.sides, scenario.geometry, scenario.room) = (None, None, None);
+            scenario.drawing = DrawingForm::default();
         }
         scenario.sides = self.sides.map(|sides| Pair(sides.into())).or(scenario.sides);
         scenario.geometry = self.geometry.clone().or(scenario.geometry.take());
@@ -86,7 +89,9 @@ impl PlacingArguments {
             }
             scenario.drawing = self.drawing.form();
         }
-        scenario.doors.extend(self.doors.iter().cloned());
+        if !self.doors.is_empty() {
+            scenario.doors.clone_from(&self.doors);
+        }
         if !self.regions.is_empty() {
             scenario.regions.clone_from(&self.regions);
         }
@@ -130,8 +135,8 @@ pub fn placed(
     place: &Place,
     numbers: &[usize],
     interrupt: &Interrupt,
-) -> Result<Crowd, ScenarioError> {
-    let bar = print::bar(0, "{spinner} {elapsed:>4}  {msg}").map_err(|error| error.to_string())?;
+) -> Result<Result<Crowd, ScenarioError>> {
+    let bar = print::bar(0, "{spinner} {elapsed:>4}  {msg}")?;
     bar.enable_steady_tick(Duration::from_millis(100));
     let mut watch = |progress: &Progress| {
         bar.set_message(described_progress(progress));
@@ -139,7 +144,7 @@ pub fn placed(
     };
     let crowd = scenario.crowd(agents, place, numbers, &mut watch);
     bar.finish_and_clear();
-    crowd
+    Ok(crowd)
 }
 
 fn described_progress(Progress { stage, iteration, density, overlap, .. }: &Progress) -> String {

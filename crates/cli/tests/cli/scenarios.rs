@@ -25,6 +25,8 @@ fn the_command_makes_the_files_of_a_scenario() {
         }
         let decision = made.decision.map(|(config, _)| config.to_toml().unwrap());
         assert_eq!(fs::read_to_string(at.join(name).join("decision.toml")).ok(), decision, "{name}");
+        let drive = Some(made.drive).filter(|text| !text.is_empty());
+        assert_eq!(fs::read_to_string(at.join(name).join("drive.csv")).ok(), drive, "{name}");
         count += 1;
     }
     assert!(count >= 20);

@@ -122,7 +122,7 @@ squeeze = { of = "peak_squeeze", take = "max" }
         (
             "number = 16",
             "number = 600",
-            "population: 600 people do not fit on 30.00 m² without overlap; about ",
+            "population: a box of 6 m x 5 m, `packing` dense: 600 people do not fit on 30.00 m² without overlap; about ",
         ),
         (
             "mix.wheelchair\" = [0, 20]",

@@ -1,6 +1,7 @@
 //! `decision.toml` as it is written: a key on a line, with its unit; an exit, a goal, a way-point and a way on a line each.
 
 use super::{DecisionConfig, TargetConfig};
+use crate::exit_choice::ExitChoice;
 use crate::rule::Waypoint;
 use crate::spread::Spread;
 use serde::Serialize;
@@ -81,7 +82,9 @@ pub(super) fn text(config: &DecisionConfig) -> Result<String, Error> {
     text.key("groups", config.groups.as_ref(), "   # docs/walking.md")?;
     text.list("waypoints", config.waypoints.as_ref(), metres)?;
     text.list("ways", config.ways.as_ref(), |_| METRES)?;
-    text.key("exit_choice", config.exit_choice.as_ref(), "           # by distance and queue")?;
+    let queue =
+        if config.exit_choice == Some(ExitChoice::Time) { "           # by distance and queue" } else { "" };
+    text.key("exit_choice", config.exit_choice.as_ref(), queue)?;
     text.list("exits", config.exits.as_ref(), target)?;
     text.list("goals", config.goals.as_ref(), target)?;
     text.list("motivation", Some(&config.motivation).filter(|all| !all.is_empty()), |_| "[s]")?;

@@ -292,6 +292,9 @@ fn a_scenario_is_made_as_elsewhere() {
         let mut expected = made.trial.texts(Path::new(stem));
         let decision = made.decision.map(|(config, _)| config.to_toml().unwrap());
         expected.extend(decision.map(|text| (Path::new(stem).join("decision.toml"), text)));
+        if !made.drive.is_empty() {
+            expected.push((Path::new(stem).join("drive.csv"), made.drive));
+        }
         let mut archive = ZipArchive::new(Cursor::new(zip)).unwrap();
         assert_eq!(archive.len(), expected.len(), "{name}");
         for (path, text) in expected {
