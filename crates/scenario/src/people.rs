@@ -54,6 +54,7 @@ pub enum People {
 
 /// The distribution of each measure: mean, standard deviation, smallest, largest value \[m, kg\].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 #[allow(missing_docs)] // as said
 pub struct Four {

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// A pulse on all whose centres lie in a circle at the start.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Push {
     /// \[m\] Middle of the circle.
