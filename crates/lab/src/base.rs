@@ -47,7 +47,7 @@ pub struct Basis {
     /// Warnings.
     pub notes: Vec<String>,
     /// The placing of a crowd.
-    pub made: Option<crowd::PlacedCrowd>,
+    pub(crate) made: Option<crowd::PlacedCrowd>,
 }
 
 impl Driven {

@@ -45,13 +45,12 @@ pub struct CrowdRequest {
 /// How a crowd was placed.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-#[allow(missing_docs)] // as in `Packing`
-pub struct PlacedCrowd {
-    pub density: f64,
-    pub area: f64,
-    pub iterations: u64,
-    pub largest_overlap: f64,
-    pub statistics: CrowdStatistics,
+pub(crate) struct PlacedCrowd {
+    density: f64,
+    area: f64,
+    iterations: u64,
+    largest_overlap: f64,
+    statistics: CrowdStatistics,
 }
 
 /// Whom people are drawn from.

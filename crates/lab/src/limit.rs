@@ -43,8 +43,8 @@ pub(crate) struct AboveLimit {
     people: usize,
     /// `None`: never.
     first: Option<f64>,
+    /// Who was above it longest without a break, and how long.
     who: usize,
-    /// Without a break.
     longest: f64,
     /// Of all of them.
     time: f64,

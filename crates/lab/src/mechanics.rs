@@ -28,8 +28,7 @@ pub struct Mechanics {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
-#[allow(missing_docs)] // as said
-pub struct Material2d {
+pub(crate) struct Material2d {
     pub id: String,
     pub young_modulus: f64,
     pub shear_modulus: f64,
@@ -39,8 +38,7 @@ pub struct Material2d {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
-#[allow(missing_docs)] // as said
-pub struct Contact<F> {
+pub(crate) struct Contact<F> {
     pub id1: String,
     pub id2: String,
     pub gamma_normal: f64,
