@@ -24,16 +24,16 @@ impl TypeVisitor for Types {
     fn visit<T: TS + 'static + ?Sized>(&mut self) {
         // Others are numbers, texts, lists and maps.
         let Some(name) = T::output_path().map(|_| T::ident(&self.config)) else { return };
-        if self.found.contains_key(&name) {
-            return;
-        }
         let mut about = T::docs().unwrap_or_default();
         for (from, to) in [("/**\n *", "/**"), ("\n */", " */"), (r"\[", "["), (r"\]", "]")] {
             about = about.replace(from, to);
         }
         let declaration = without_comments(&T::decl(&self.config));
-        self.found.insert(name, format!("\n{about}export {declaration}\n"));
-        T::visit_dependencies(self);
+        let text = format!("\n{about}export {declaration}\n");
+        match self.found.insert(name.clone(), text.clone()) {
+            Some(other) => assert!(other == text, "two types are called {name}"),
+            None => T::visit_dependencies(self),
+        }
     }
 }
 
