@@ -8,7 +8,7 @@ import { isPlaced, place } from "./live";
 import { KindName, MixForm } from "./mix";
 import { change, plan } from "./plan";
 import { People } from "./people";
-import type { Made } from "./protocol";
+import type { PlacedCrowd } from "./protocol";
 import { client, made } from "./session";
 
 function set(part: Partial<KeptCrowd>) {
@@ -97,7 +97,7 @@ export function CrowdTab() {
     );
 }
 
-function Placed({ made: { density, area, largest_overlap, statistics } }: { made: Made }) {
+function Placed({ made: { density, area, largest_overlap, statistics } }: { made: PlacedCrowd }) {
     return (
         <section class="panel" aria-label="As it was placed">
             <h2>As it was placed</h2>
@@ -126,7 +126,7 @@ function Placed({ made: { density, area, largest_overlap, statistics } }: { made
 
 const KINDS: Record<string, string> = { male: "Men", female: "Women" };
 
-function Kind({ kind, count, measures }: Made["statistics"][number]) {
+function Kind({ kind, count, measures }: PlacedCrowd["statistics"][number]) {
     return (
         <tbody>
             <tr>

@@ -145,7 +145,7 @@ export class Crowd3d {
             if (triangles === 0) return;
             const material = this.scene.agents[a]?.things?.find((thing) => thing !== null) ?? "frame";
             const colour = new Color();
-            setColour(colour, THINGS[material]);
+            setColour(colour, THINGS[material as keyof typeof THINGS]);
             // Its edges are sharp.
             const flat = new MeshLambertMaterial({ color: colour, flatShading: true });
             this.#bodies[a]!.add(new Mesh(surface(bytes, at, vertices, triangles), flat));

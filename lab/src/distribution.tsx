@@ -1,6 +1,6 @@
 // How often the values of a measure are in the survey.
 
-import type { Measure } from "./protocol";
+import type { MeasureShown } from "./protocol";
 
 const [WIDTH, HEIGHT, FOOT] = [320, 70, 18];
 /** Most bars and ticks. */
@@ -40,7 +40,7 @@ function barsOf(quantiles: number[], by: number): Bar[] {
 }
 
 interface DistributionProps {
-    measure: Measure;
+    measure: MeasureShown;
     /** From the measure's unit to the one that is shown. */
     by: number;
     unit: string;

@@ -2,7 +2,7 @@
 // scaling happens here.
 
 import { type Shade, THINGS } from "./colour";
-import { type Agent, COLUMNS, type Disk, FEET, isThere, type OpenTime, type Point, type Push, type Scene, type Waypoint } from "./protocol";
+import { type AgentShown, COLUMNS, type Disk, FEET, isThere, type OpenTime, type Point, type Push, type Scene, type Waypoint } from "./protocol";
 import { inMetres, toMetres, toPixels, type View } from "./view";
 
 /** Whether a wall is open at a time in s. A rounding error is none. */
@@ -57,7 +57,7 @@ interface Group {
 }
 
 /** The disks of things of each material, with its colour. */
-export function thingsOf({ disks, things }: Pick<Agent, "disks" | "things">): Group[] | null {
+export function thingsOf({ disks, things }: Pick<AgentShown, "disks" | "things">): Group[] | null {
     if (!things) return null;
     return (["frame", "luggage"] as const).map((material) => ({ disks: disks.filter((_, k) => things[k] === material), fill: THINGS[material] })).filter(({ disks }) => disks.length > 0);
 }

@@ -8,7 +8,7 @@ import { crowdFits, MOST, roomFits } from "./forms";
 import { Check, Choice, NumberField } from "./parts";
 import { FIRST_WISHES, shaped } from "./places";
 import { arrived, change, plan } from "./plan";
-import type { DrawingWanted, Door, Motion, Proposal, Understood } from "./protocol";
+import type { DrawingRequest, Door, Motion, Proposed, Understood } from "./protocol";
 import { distance } from "./roomshape";
 import { open } from "./scenes";
 import { attempt, bases, client, film } from "./session";
@@ -21,7 +21,7 @@ interface Given {
 
 interface Drawing {
     given: Given;
-    wanted: DrawingWanted;
+    wanted: DrawingRequest;
     found: Understood | null;
     /** Why nothing was understood. */
     refused: string;
@@ -52,10 +52,10 @@ let latest = 0;
 let answered: Drawing | null = null;
 
 /** Asks what is in a plan. Of answers, only that to the last question counts. */
-export async function understand(given: Given, options: Partial<DrawingWanted> = {}) {
+export async function understand(given: Given, options: Partial<DrawingRequest> = {}) {
     const number = ++latest;
     const before = drawing.peek()?.given === given ? drawing.peek() : null;
-    const wanted: DrawingWanted = { name: given.file.name, unit: null, close: null, origin: false, walls: [], enclosing: null, doors: [], ...before?.wanted, ...options };
+    const wanted: DrawingRequest = { name: given.file.name, unit: null, close: null, origin: false, walls: [], enclosing: null, doors: [], ...before?.wanted, ...options };
     const now = { given, wanted, found: null, refused: "", asking: false };
     if (!before) asDrawn.value = false;
     // The next option is changed beside this one, also before the answer.
@@ -121,7 +121,7 @@ export function DrawingPanel() {
     if (!now) return null;
     const { given, wanted, found, refused, asking } = now;
     const { name } = given.file;
-    const again = (options: Partial<DrawingWanted>) => void attempt(() => understand(given, options));
+    const again = (options: Partial<DrawingRequest>) => void attempt(() => understand(given, options));
     const unit = UNITS.find(([key]) => key === String(wanted.unit ?? ""))?.[0] ?? "other";
     return (
         <fieldset class="fields plan">
@@ -195,10 +195,10 @@ const USES = [
 type Use = (typeof USES)[number][0];
 
 interface ProposalsProps {
-    wanted: DrawingWanted;
+    wanted: DrawingRequest;
     found: Understood;
-    proposal: Proposal;
-    again(options: Partial<DrawingWanted>): void;
+    proposal: Proposed;
+    again(options: Partial<DrawingRequest>): void;
 }
 
 /** What a plan seems to be, where it is in doubt: each part is taken or left before the room is made. */
@@ -286,7 +286,7 @@ function Proposals({ wanted, found, proposal, again }: ProposalsProps) {
 }
 
 /** Layers that are taken as walls: all of them at first. */
-function Layers({ wanted, layers, again }: { wanted: DrawingWanted; layers: string[]; again(options: Partial<DrawingWanted>): void }) {
+function Layers({ wanted, layers, again }: { wanted: DrawingRequest; layers: string[]; again(options: Partial<DrawingRequest>): void }) {
     const taken = wanted.walls.length > 0 ? wanted.walls : layers;
     const set = (layer: string, on: boolean) => {
         const next = layers.filter((one) => (one === layer ? on : taken.includes(one)));

@@ -3,7 +3,7 @@
 // which is written with the frame that is shown.
 
 import { signal } from "@preact/signals";
-import type { Drawn, Limit, LimitWanted, Outline, Point, Room, RoomEdit } from "./protocol";
+import type { Drawn, Limit, LimitRequest, Outline, Point, Room, RoomEdit } from "./protocol";
 import { problem } from "./session";
 import { answer, type Lab, load } from "./wasm";
 
@@ -27,7 +27,7 @@ function ask(room: Room, edit: RoomEdit | null, near: Point | null): Drawn {
 }
 
 /** Adds squeezes to what is known of a limit. */
-export function limit(wanted: LimitWanted, squeezes: Uint8Array<ArrayBuffer>): Limit {
+export function limit(wanted: LimitRequest, squeezes: Uint8Array<ArrayBuffer>): Limit {
     const { value } = answer(lab.value!, { ask: "limit", ...wanted }, squeezes);
     if ("refused" in value) throw new Error(value.refused);
     return value.ok;

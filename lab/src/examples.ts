@@ -3,7 +3,7 @@
 import { FIRST_CROWD, type KeptCrowd } from "./forms";
 import { FIRST_WISHES } from "./places";
 import type { Made } from "./plan";
-import type { Model, Motion, Point, Push } from "./protocol";
+import type { Motion, Point, Push, WalkingModelName } from "./protocol";
 import { rectangle } from "./roomshape";
 
 export interface Example {
@@ -18,7 +18,7 @@ function crowd(part: Partial<KeptCrowd>, motion: Motion): Made {
 }
 
 /** Exits as the page puts them beyond doors: 1 m away and 2 m longer. */
-function leave(lines: Record<string, [Point, Point]>, model: Model = "rotational"): Motion {
+function leave(lines: Record<string, [Point, Point]>, model: WalkingModelName = "rotational"): Motion {
     const exits = Object.entries(lines).map(([name, line]) => ({ name, line, polygon: null, share: null, open: null }));
     return { kind: "go", wishes: { ...FIRST_WISHES, model, exits } };
 }

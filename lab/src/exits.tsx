@@ -8,26 +8,26 @@ import { OpenTimes } from "./opentimes";
 import { remove, setWishes } from "./exittool";
 import { Check, Choice, Field, LengthField, named, NumberField } from "./parts";
 import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, ROTATIONAL, shaped } from "./places";
-import type { Balance, Model, Place, Point, Rotational, Wishes } from "./protocol";
+import type { BalanceName, Place, Point, Rotational, WalkingModelName, Wishes } from "./protocol";
 import { film, selected } from "./session";
 
 const FAR = 1000;
 
-const NAMES: [Model, string][] = [
+const NAMES: [WalkingModelName, string][] = [
     ["rotational", "Rotational"],
     ["collision-free-speed", "Collision-free speed"],
     ["social-force", "Social force"],
     ["straight", "Straight on"],
 ];
 
-const BALANCES: [Balance, string][] = [
+const BALANCES: [BalanceName, string][] = [
     ["none", "None: the ground stops them"],
     ["pendulum", "Pendulum"],
     ["two-level", "Two-level model"],
 ];
 
 /** How people who stand keep their balance. */
-export function BalanceChoice({ value, onChange }: { value: Balance; onChange(value: Balance): void }) {
+export function BalanceChoice({ value, onChange }: { value: BalanceName; onChange(value: BalanceName): void }) {
     return (
         <>
             <Choice label="Balance of those who stand" value={value} choices={BALANCES} onChange={onChange} />
@@ -36,7 +36,7 @@ export function BalanceChoice({ value, onChange }: { value: Balance; onChange(va
     );
 }
 
-const GOOD_FOR: Record<Model, string> = {
+const GOOD_FOR: Record<WalkingModelName, string> = {
     rotational: "People see where others will be, step aside and turn their shoulders. Take this model for evacuation, corridors, counterflow and single file.",
     "collision-free-speed": "People turn aside from others and from walls, and keep a distance in time. Flows through doors are about half of what people reach.",
     straight: "The paper's rule: people go on, whoever is in the way, and push. It shows pressure, not evacuation times.",

@@ -1,7 +1,7 @@
 // What the user may have made has these forms, also when it comes from a link or the browser's storage.
 
 import { type Check, dictionary, flag, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
-import { BALANCES, type Base, type CrowdWanted, type Door, type Edit, type Four, type Further, type Material2d, type Mechanics, MODELS, type Motion, type Normal, type OpenTime, type People, type PersonWanted, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
+import type { BalanceName, Base, CrowdRequest, Door, Edit, Four, Further, Material2d, Mechanics, Motion, Normal, OpenTime, PeopleRequest, PersonRequest, Place, Point, Push, Room, Rotational, WalkingModelName, Waypoint, Wishes } from "./protocol";
 import { rectangle } from "./roomshape";
 
 /** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
@@ -9,10 +9,10 @@ interface Kept {
     key: string;
 }
 
-type Table = Extract<People, { kind: "table" }>;
+type Table = Extract<PeopleRequest, { kind: "table" }>;
 type Upload = Extract<Base, { kind: "upload" }>;
-export type KeptPeople = Exclude<People, Table> | (Table & Kept);
-export type KeptCrowd = Omit<CrowdWanted, "people"> & { people: KeptPeople };
+export type KeptPeople = Exclude<PeopleRequest, Table> | (Table & Kept);
+export type KeptCrowd = Omit<CrowdRequest, "people"> & { people: KeptPeople };
 export type KeptBase = Extract<Base, { kind: "example" }> | ({ kind: "crowd" } & KeptCrowd) | (Upload & Kept);
 
 /** Most corners of an area and of a wall, most walls, most parts of another kind, most letters of a name, of a path and of a list of values,
@@ -120,7 +120,7 @@ export interface Backdrop {
 export const backdrop: Check<Backdrop | null> = (given) =>
     // Former scenes have none.
     given == null ? null : record<Backdrop>({ name: text(MOST.name), key: text(), at: point, width: within(1e-3, 1e6), aspect: within(1e-4, 1e4), opacity: within(0, 1) })(given);
-export const person = record<PersonWanted>({
+export const person = record<PersonRequest>({
     sex: one("male", "female"),
     breadth: nullable(number),
     depth: nullable(number),
@@ -165,9 +165,9 @@ const place = record<Place>({
 });
 const name = nullable(text(MOST.name));
 const rotational = nullable(record<Rotational>({ time_gap: number, standstill_gap: number, reaction_time: (given) => number(given ?? 0), speed_noise: number, acceleration: number }));
-const balance = (given: unknown) => one(...BALANCES)(given ?? "none");
+const balance = (given: unknown) => one<BalanceName>("none", "pendulum", "two-level")(given ?? "none");
 const wishes = record<Wishes>({
-    model: one(...MODELS),
+    model: one<WalkingModelName>("straight", "collision-free-speed", "social-force", "rotational"),
     // Older links have none.
     rotational: (given) => rotational(given ?? null),
     balance: balance,

@@ -4,7 +4,7 @@ import { computed, signal } from "@preact/signals";
 import { digits } from "./parts";
 import { MOST } from "./forms";
 import { plan } from "./plan";
-import { COLUMNS, type Edit, isThere, type Overlaps, type PersonWanted, type Point, type Scene } from "./protocol";
+import { COLUMNS, type Edit, isThere, type Overlaps, type PersonRequest, type Point, type Scene } from "./protocol";
 import { away, distance } from "./roomshape";
 import { choose, client, film, problem, selected, selectNext } from "./session";
 import type { Pointer, Tool } from "./tool";
@@ -148,7 +148,7 @@ export function copy({ agent, x, y, theta }: Pose) {
 }
 
 /** Somebody more, at a place or where most room is among the people, facing like the first one. */
-export function add(person: PersonWanted, at: Point | null) {
+export function add(person: PersonRequest, at: Point | null) {
     const frame = film.value!.frame(0);
     const [x, y] = at ?? roomiest(film.value!.scene, frame);
     const id = newId();

@@ -123,13 +123,13 @@ export function MechanicsForm({ film: { scene } }: { film: Film }) {
     );
 }
 
-function ContactFields({ contact }: { contact: Contact }) {
+function ContactFields({ contact }: { contact: Contact<number> }) {
     const { base } = plan.value.made;
     const { id1, id2 } = contact;
     const name = id1 === id2 ? id1 : `${id1} – ${id2}`;
     // Of a crowd, its form has the friction until that of a pair is changed.
     const ofForm = base.kind === "crowd" && [id1, id2].includes(base.material);
-    const set = (part: Partial<Contact>) => setContact({ ...contact, kinetic_friction: ofForm ? null : contact.kinetic_friction }, part);
+    const set = (part: Partial<Contact<number>>) => setContact({ ...contact, kinetic_friction: ofForm ? null : contact.kinetic_friction }, part);
     return (
         <fieldset class="fields">
             <legend translate={false}>{name}</legend>

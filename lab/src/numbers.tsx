@@ -14,7 +14,7 @@ import { MechanicsForm } from "./mechanics";
 import { KindName } from "./mix";
 import { brief, digits, Facts, length } from "./parts";
 import { change, plan } from "./plan";
-import { COLUMNS, FEET, isChild, isThere, type Measure, type Person, type PersonWanted } from "./protocol";
+import { COLUMNS, FEET, isChild, isThere, type MeasureShown, type PersonRequest, type PersonShown } from "./protocol";
 import { selected } from "./session";
 import { Stuck } from "./stuck";
 
@@ -132,17 +132,17 @@ function ofKind({ scene }: Film, a: number): Rows {
     return rows;
 }
 
-const ranks = signal<{ of: string; measures: Measure[] } | null>(null);
+const ranks = signal<{ of: string; measures: MeasureShown[] } | null>(null);
 
 /** Where the selected person stands in the survey. Of the people of a Trial only the disks are known. */
 function InSurvey({ film, agent }: { film: Film; agent: number }) {
     const person = film.scene.people?.[agent];
-    const asked: PersonWanted | null = person ? { ...person, sex: person.sex === "male" ? "male" : "female", altitude: null } : null;
+    const asked: PersonRequest | null = person ? { ...person, sex: person.sex === "male" ? "male" : "female", altitude: null } : null;
     const of = JSON.stringify(asked);
     useEffect(() => {
         if (!asked) return;
         film.client
-            .ask<Person>({ ask: "person", ...asked })
+            .ask<PersonShown>({ ask: "person", ...asked })
             .then(({ value }) => (ranks.value = { of, measures: value.measures }))
             // Who is outside of what is possible has no place there.
             .catch(() => (ranks.value = null));

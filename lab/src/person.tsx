@@ -11,13 +11,13 @@ import { Latest } from "./latest";
 import { Drawing, extents, Gaze, pathOf } from "./outline";
 import { Choice, digits, Facts, length, NumberField } from "./parts";
 import { change, plan } from "./plan";
-import { type Bicycle, isChild, type Measure, type Person, type PersonWanted, type Surface } from "./protocol";
+import { type BicycleShown, isChild, type MeasureShown, type PersonRequest, type PersonShown, type Surface } from "./protocol";
 import { film } from "./session";
 import type { TurningProps } from "./turning";
 
-const person = signal<Person | null>(null);
+const person = signal<PersonShown | null>(null);
 const body = signal<TurningProps["body"]>(null);
-const bicycle = signal<Bicycle | null>(null);
+const bicycle = signal<BicycleShown | null>(null);
 const refused = signal("");
 const riding = signal(false);
 
@@ -42,18 +42,18 @@ const KINDS = [
 
 /** What is asked of the lab: one thing after the other. */
 class Asking {
-    #shape: Latest<PersonWanted>;
-    #surface: Latest<PersonWanted>;
+    #shape: Latest<PersonRequest>;
+    #surface: Latest<PersonRequest>;
 
     constructor(readonly client: Client) {
         this.#shape = new Latest(async (asked) => {
             try {
-                person.value = (await client.ask<Person>({ ask: "person", ...asked })).value;
+                person.value = (await client.ask<PersonShown>({ ask: "person", ...asked })).value;
                 refused.value = "";
             } catch (error) {
                 refused.value = (error as Error).message;
                 // There are fields to mend it in.
-                if (person.value?.sex !== asked.sex) person.value = (await client.ask<Person>({ ask: "person", ...asked, ...MEDIANS, altitude: null })).value;
+                if (person.value?.sex !== asked.sex) person.value = (await client.ask<PersonShown>({ ask: "person", ...asked, ...MEDIANS, altitude: null })).value;
             }
         });
         this.#surface = new Latest(async (asked) => {
@@ -66,12 +66,12 @@ class Asking {
         });
     }
 
-    shape = (asked: string) => void this.#shape.want(JSON.parse(asked) as PersonWanted);
-    surface = (asked: string) => void this.#surface.want(JSON.parse(asked) as PersonWanted);
+    shape = (asked: string) => void this.#shape.want(JSON.parse(asked) as PersonRequest);
+    surface = (asked: string) => void this.#surface.want(JSON.parse(asked) as PersonRequest);
 
     async bicycle() {
         try {
-            bicycle.value ??= (await this.client.ask<Bicycle>({ ask: "bicycle" })).value;
+            bicycle.value ??= (await this.client.ask<BicycleShown>({ ask: "bicycle" })).value;
         } catch (error) {
             refused.value = (error as Error).message;
         }
@@ -122,17 +122,17 @@ function useAsking(client: Client): Asking {
     return asking;
 }
 
-function measured(is: Person, key: (typeof KEYS)[number]) {
+function measured(is: PersonShown, key: (typeof KEYS)[number]) {
     return is.measures[KEYS.indexOf(key)]!.value;
 }
 
 /** From the measure's own unit to the one that is shown. */
-function shownIn(measure: Measure): [by: number, unit: string] {
+function shownIn(measure: MeasureShown): [by: number, unit: string] {
     return measure.unit === "m" && plan.value.unit === "cm" ? [100, "cm"] : [1, measure.unit];
 }
 
-function MeasureFields({ is, asked }: { is: Person; asked: PersonWanted }) {
-    const set = (part: Partial<PersonWanted>) => change({ person: { ...asked, ...part } });
+function MeasureFields({ is, asked }: { is: PersonShown; asked: PersonRequest }) {
+    const set = (part: Partial<PersonRequest>) => change({ person: { ...asked, ...part } });
     return (
         <>
             {is.measures.map((measure, k) => {
@@ -172,12 +172,12 @@ function MeasureFields({ is, asked }: { is: Person; asked: PersonWanted }) {
     );
 }
 
-function putThere(asked: PersonWanted) {
+function putThere(asked: PersonRequest) {
     change({ tab: "crowd" });
     add(asked, null);
 }
 
-function Shape({ is, asked }: { is: Person; asked: PersonWanted }) {
+function Shape({ is, asked }: { is: PersonShown; asked: PersonRequest }) {
     const { unit } = plan.value;
     const size = extents(is.disks);
     const highest = measured(is, "stature");
@@ -259,7 +259,7 @@ function Body3d({ stature, altitude }: { stature: number; altitude: number | nul
     );
 }
 
-function Survey({ is }: { is: Person }) {
+function Survey({ is }: { is: PersonShown }) {
     const people = is.sex === "male" ? "men" : "women";
     return (
         <section class="panel survey" aria-label="In the survey">
@@ -277,7 +277,7 @@ function Survey({ is }: { is: Person }) {
     );
 }
 
-function BicycleDrawing({ is }: { is: Bicycle }) {
+function BicycleDrawing({ is }: { is: BicycleShown }) {
     const { unit } = plan.value;
     const size = extents(is.rectangles.flat().map(([x, y]) => [x, y, 0]));
     return (

@@ -4,7 +4,7 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import { flag, list, nullable, number, one, patched, record, text, tuple, Unfit, within } from "./check";
 import { EXAMPLES } from "./examples";
 import { backdrop, type Backdrop, base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, mechanics, MOST, motion, person, point } from "./forms";
-import type { Edit, Mechanics, Motion, PersonWanted, Point } from "./protocol";
+import type { Edit, Mechanics, Motion, PersonRequest, Point } from "./protocol";
 
 /** What is on the stage. */
 export interface Made {
@@ -23,7 +23,7 @@ export interface Plan {
     made: Made;
     /** What the forms say; not necessarily made yet. */
     crowd: KeptCrowd;
-    person: PersonWanted;
+    person: PersonRequest;
     unit: "m" | "cm";
     colour: Colour;
     /** Time over which squeeze is a mean, in s. */

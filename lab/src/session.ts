@@ -5,14 +5,14 @@ import { Client, Stopped } from "./client";
 import { Film } from "./film";
 import { type KeptBase } from "./forms";
 import { arrive, change, FIRST, follow, isNew, keysInUse, type Made as Planned, opened, plan, settle, unread } from "./plan";
-import type { Base, Made, Opened, Scene } from "./protocol";
+import type { Base, Opened, PlacedCrowd, Scene } from "./protocol";
 import { kept, remove } from "./store";
 
 export const client = new Client();
 export const film = signal<Film | null>(null);
 export const selected = signal<number | null>(null);
 /** How the crowd on the stage was placed. */
-export const made = signal<Made | null>(null);
+export const made = signal<PlacedCrowd | null>(null);
 export const notes = signal<string[]>([]);
 /** What is well. */
 export const said = signal("");

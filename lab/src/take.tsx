@@ -12,7 +12,7 @@ import { curvesCsv, leavingCsv, origin, perExit, saveOfRun, saveTable } from "./
 import { attribute, copy, digits, named, NumberField, save } from "./parts";
 import { compose, png } from "./picture";
 import { link, onlyHere, plan, scene as kept } from "./plan";
-import type { Wanted } from "./protocol";
+import type { FileRequest, NamedFile } from "./protocol";
 import { makeReport } from "./report";
 import { attempt, selected } from "./session";
 
@@ -86,9 +86,9 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
         }
     };
     /** A file that the lab makes. */
-    const take = (what: string, wanted: Wanted, bytes?: () => Uint8Array, of = (name: string) => name) =>
+    const take = (what: string, wanted: FileRequest, bytes?: () => Uint8Array, of = (name: string) => name) =>
         making(what, async () => {
-            const answer = await client.ask<{ name: string }>({ ask: "take", run, wanted }, bytes?.());
+            const answer = await client.ask<NamedFile>({ ask: "take", run, wanted }, bytes?.());
             return save(of(answer.value.name), answer.bytes);
         });
 
@@ -96,14 +96,14 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
         making(`FMU, FMI ${version}.0`, async () => {
             const files = await libraries();
             const binaries = files.map(([platform, content]) => [platform, content.length] as [string, number]);
-            const wanted: Wanted = { file: "fmu", version, binaries };
-            const answer = await client.ask<{ name: string }>({ ask: "take", run, wanted }, joined(files.map(([, content]) => content)));
+            const wanted: FileRequest = { file: "fmu", version, binaries };
+            const answer = await client.ask<NamedFile>({ ask: "take", run, wanted }, joined(files.map(([, content]) => content)));
             return save(answer.value.name.replace(/\.fmu$/, `-fmi${version}.fmu`), answer.bytes);
         });
     const svg = () => {
         const { low, high, largest, label, unit, kinds } = scaleOf(film, plan.value.colour);
         const k = film.shown.peek();
-        const wanted: Wanted = { file: "svg", range: [low, high], beyond: largest > high, from_grey: plan.value.colour === "squeeze", label, unit, time: k * scene.step, forces: plan.value.forces, by_kind: kinds !== undefined };
+        const wanted: FileRequest = { file: "svg", range: [low, high], beyond: largest > high, from_grey: plan.value.colour === "squeeze", label, unit, time: k * scene.step, forces: plan.value.forces, by_kind: kinds !== undefined };
         return take("Picture (SVG)", wanted, () => joined([shown(), bytesOf(values(film, k, plan.value.colour))]), timed);
     };
     const picture = () =>
@@ -122,10 +122,10 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             return save(`${scene.name}.webm`, blob);
         });
     /** A table that the lab makes. */
-    const table = (what: string, wanted: Wanted, end: number, of = (name: string) => name) =>
+    const table = (what: string, wanted: FileRequest, end: number, of = (name: string) => name) =>
         making(what, async () => {
             const settings = origin(film, 0, end);
-            const answer = await client.ask<{ name: string }>({ ask: "take", run, wanted }, undefined);
+            const answer = await client.ask<NamedFile>({ ask: "take", run, wanted }, undefined);
             return saveTable(of(answer.value.name), answer.bytes, settings);
         });
     const chosen = selected.value === null ? undefined : scene.agents[selected.value]?.id;

@@ -33,6 +33,7 @@ pub const DECISION_FILE: &str = "decision.toml";
 
 /// Name of a model of how people walk among others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "kebab-case")]
 pub enum WalkingModelName {
     /// Straight on, whoever is in the way.
@@ -60,6 +61,7 @@ impl WalkingModelName {
 
 /// How people who stand keep their balance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "kebab-case")]
 pub enum BalanceName {
     /// Nothing is asked: the ground takes the velocity, as in eq. 1.

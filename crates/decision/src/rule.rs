@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 
 /// A way-point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Waypoint {
     /// \[m\] x.
@@ -19,6 +20,7 @@ pub struct Waypoint {
     pub radius: f64,
     /// \[s\] Time for which a person stands there before it goes on.
     #[serde(default)]
+    #[cfg_attr(feature = "typescript", ts(skip))]
     pub wait: f64,
 }
 

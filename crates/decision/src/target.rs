@@ -28,6 +28,7 @@ pub(crate) fn share_before_closed(distance: f64) -> f64 {
 
 /// An exit or a goal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Target {
     /// No two targets have the same.

@@ -7,10 +7,10 @@ use lemons_decision::{DecisionConfig, Plan};
 use lemons_people::Agent;
 use lemons_people::placing::Watch;
 use serde::Deserialize;
-use serde_json::Value;
 
 /// Where a Trial comes from.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[allow(missing_docs)] // as said
 pub enum Base {
@@ -47,7 +47,7 @@ pub struct Basis {
     /// Warnings.
     pub notes: Vec<String>,
     /// The placing of a crowd.
-    pub made: Value,
+    pub(crate) made: Option<crowd::PlacedCrowd>,
 }
 
 impl Driven {

@@ -4,10 +4,46 @@ use crate::base::Driven;
 use crate::run::Run;
 use crate::{Refused, Reply, require, within};
 use lemons_people::{Body3d, Figure, MeshPart, Person, Polygon, packed};
-use serde_json::json;
+use serde::Serialize;
 
 /// Most people whose bodies are shown: a quarter of a MB each.
 const MOST: usize = 1000;
+
+/// The numbers of a surface.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Surface {
+    vertices: usize,
+    triangles: usize,
+}
+
+/// Everybody's section with a plane.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Sections {
+    altitude: f64,
+    /// \[m\] Polygons of each agent, in its frame; none where the plane is above it.
+    bodies: Vec<Vec<Vec<[f64; 2]>>>,
+    /// How many bodies the plane cuts.
+    cut: usize,
+    /// \[m²\] The area of their sections.
+    area: f64,
+    /// Sex and measures are not known: bodies are those that fit the disks, height and mass.
+    estimated: bool,
+    /// How many have no body, because none fits the disks.
+    without: usize,
+}
+
+/// Everybody's surface: numbers of vertices and triangles of each.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Bodies {
+    agents: Vec<[usize; 2]>,
+    /// The same of what goes along, after all agents.
+    things: Vec<[usize; 2]>,
+    estimated: bool,
+    without: usize,
+}
 
 /// Returns the surface of a person's body: numbers of vertices and triangles, then [`packed`].
 ///
@@ -16,7 +52,7 @@ const MOST: usize = 1000;
 pub fn of_person(person: &Person) -> Result<Reply, Refused> {
     let body = Body3d::of(person)?;
     let ([vertices, triangles], bytes) = packed(&body.mesh());
-    Ok(Reply { value: json!({ "vertices": vertices, "triangles": triangles }), bytes })
+    Reply::with(Surface { vertices, triangles }, bytes)
 }
 
 /// A person's outlines at an altitude \[m\], in the body's frame.
@@ -62,10 +98,9 @@ pub fn sections(run: &Run, altitude: f64) -> Result<Reply, Refused> {
     let slices: Vec<Vec<Polygon>> = bodies.iter().map(slice).collect();
     let area: f64 = slices.iter().flatten().map(Polygon::area).sum();
     let cut = slices.iter().filter(|polygons| !polygons.is_empty()).count();
-    Ok(Reply::of(json!({
-        "altitude": altitude, "bodies": slices.iter().map(|polygons| outlines(polygons)).collect::<Vec<_>>(),
-        "cut": cut, "area": area, "estimated": run.driven.people.is_none(), "without": without(bodies),
-    })))
+    let (estimated, without) = (run.driven.people.is_none(), without(bodies));
+    let bodies = slices.iter().map(|polygons| outlines(polygons)).collect();
+    Reply::of(Sections { altitude, bodies, cut, area, estimated, without })
 }
 
 /// Returns everybody's surface, in the body's frame; less fine, because there are many. Then come the surfaces of things.
@@ -85,6 +120,5 @@ pub fn surfaces(run: &Run) -> Result<Reply, Refused> {
     };
     let (agents, things) = (all(|figure| figure.bodies(false)), all(Figure::things));
     let (estimated, without) = (run.driven.people.is_none(), without(figures));
-    let value = json!({ "agents": agents, "things": things, "estimated": estimated, "without": without });
-    Ok(Reply { value, bytes })
+    Reply::with(Bodies { agents, things, estimated, without }, bytes)
 }

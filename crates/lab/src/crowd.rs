@@ -7,8 +7,7 @@ use lemons_people::placing::Watch;
 use lemons_people::room::Room;
 use lemons_people::{CrowdStatistics, Sex};
 use lemons_scenario::{Four, Made, People, RegionForm, Scenario, ScenarioError, Share, named};
-use serde::Deserialize;
-use serde_json::json;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -20,6 +19,7 @@ pub const LARGEST_SEED: u64 = (1 << 53) - 1;
 
 /// A crowd as a page asks for it: keys of a [`Scenario`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[allow(missing_docs)] // as there
 pub struct CrowdRequest {
     pub number: Option<u32>,
@@ -34,6 +34,7 @@ pub struct CrowdRequest {
     pub men: f64,
     pub direction: Option<f64>,
     pub speed: f64,
+    #[cfg_attr(feature = "typescript", ts(type = "Material"))]
     pub material: String,
     #[serde(default)]
     pub friction: Option<f64>,
@@ -41,8 +42,20 @@ pub struct CrowdRequest {
     pub round: bool,
 }
 
+/// How a crowd was placed.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct PlacedCrowd {
+    density: f64,
+    area: f64,
+    iterations: u64,
+    largest_overlap: f64,
+    statistics: CrowdStatistics,
+}
+
 /// Whom people are drawn from.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[allow(missing_docs)] // as in a scenario
 pub enum PeopleRequest {
@@ -62,7 +75,7 @@ impl PeopleRequest {
     fn read(&self, bytes: &[u8]) -> Result<(People, Memory), Refused> {
         let mut memory = Memory::default();
         let people = match self.clone() {
-            PeopleRequest::Survey => People::Survey,
+            PeopleRequest::Survey => People::Survey {},
             PeopleRequest::Statistics { male, female } => People::Statistics { male, female },
             PeopleRequest::Table { files } => {
                 let named: Vec<_> = files.iter().map(|(_, name, length)| (name.clone(), *length)).collect();
@@ -161,11 +174,14 @@ fn made(
         scenario.documents("", MOST_PEOPLE, files, watch).map_err(told)?;
     trial.name = name.unwrap_or_else(|| format!("crowd_{}_seed_{}", agents.len(), scenario.seed));
     let packing = &crowd.packing;
-    let made = json!({
-        "density": packing.density, "area": place.area_of(packing), "iterations": packing.iterations,
-        "largest_overlap": packing.largest_overlap, "statistics": CrowdStatistics::of(&agents),
-    });
-    let driven = Driven { drive, ..Driven::alone(trial, Some(agents)) };
+    let made = PlacedCrowd {
+        density: packing.density,
+        area: place.area_of(packing),
+        iterations: packing.iterations,
+        largest_overlap: packing.largest_overlap,
+        statistics: CrowdStatistics::of(&agents),
+    };
     let notes = notes.iter().map(|note| words(note)).collect();
-    Ok(Basis { driven: driven.decided(decision.map(|(config, _)| config))?, notes, made })
+    let driven = Driven { drive, ..Driven::alone(trial, Some(agents)) };
+    Ok(Basis { driven: driven.decided(decision.map(|(config, _)| config))?, notes, made: Some(made) })
 }

@@ -17,6 +17,7 @@ const MOST: usize = 10_000;
 
 /// A change of one person: whom it is, and to where \[m, rad\]; or of the walls.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(missing_docs)] // as said
 pub enum Edit {

@@ -14,8 +14,7 @@ use lemons_people::{MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
 use lemons_picture::{ColourMap, Fill, Force, Scene, Style, Values};
 use lemons_results::columns::{ALL, Groups};
 use lemons_results::{Content, Frame, FrameWriter, TableWriter};
-use serde::Deserialize;
-use serde_json::json;
+use serde::{Deserialize, Serialize};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -26,6 +25,7 @@ const LARGEST_TABLE: u64 = 500_000_000;
 
 /// A file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(tag = "file", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(missing_docs)] // as said
 pub enum FileRequest {
@@ -46,6 +46,7 @@ pub enum FileRequest {
 
 /// How a picture is drawn.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct PictureStyle {
     /// The numbers at both ends of the colours.
@@ -69,12 +70,20 @@ pub struct PictureStyle {
 
 /// A format of surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "kebab-case")]
 pub enum MeshFormat {
     /// Wavefront OBJ
     Obj,
     /// Binary STL
     Stl,
+}
+
+/// The name of a file.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct NamedFile {
+    name: String,
 }
 
 /// Returns a file and its name.
@@ -84,9 +93,8 @@ pub enum MeshFormat {
 pub fn file(wanted: &FileRequest, run: &Run, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
     let of = &run.driven;
     let Driven { trial, drive, wishes, people, .. } = of;
-    let named = |end: &str, bytes: Vec<u8>| {
-        Ok(Reply { value: json!({ "name": format!("{}{end}", trial.name) }), bytes })
-    };
+    let named =
+        |end: &str, bytes: Vec<u8>| Reply::with(NamedFile { name: format!("{}{end}", trial.name) }, bytes);
     match wanted {
         FileRequest::Trial {} => {
             let others = [(DRIVE_FILE, &**drive), (DECISION_FILE, &**wishes)];

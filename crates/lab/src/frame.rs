@@ -8,7 +8,7 @@ use lemons_core::trial::{Interactions, Trial};
 use lemons_people::placing::TOLERANCE;
 use lemons_results::Frame;
 use lemons_results::measure::{Line, Way};
-use serde_json::json;
+use serde::Serialize;
 use std::collections::BTreeSet;
 
 /// Numbers of an agent in a frame: x, y \[m\], orientation \[rad\], velocity along x and y \[m/s\], angular velocity
@@ -78,6 +78,15 @@ pub fn overlapping(world: &World, of: Option<usize>) -> (BTreeSet<usize>, bool, 
     (found, wall, deepest)
 }
 
+/// Whom an agent would overlap.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Overlaps {
+    agents: BTreeSet<usize>,
+    wall: bool,
+    depth: f64,
+}
+
 /// Returns whom an agent would overlap at another pose (x, y \[m\], angle \[rad\]).
 ///
 /// # Errors
@@ -92,7 +101,15 @@ pub fn overlaps(trial: &Trial, agent: usize, [x, y, theta]: [f64; 3]) -> Result<
     trial.interactions = Interactions::default();
     let world = Setup::of(&trial).world()?;
     let (agents, wall, depth) = overlapping(&world, Some(agent));
-    Ok(Reply::of(json!({ "agents": agents, "wall": wall, "depth": depth })))
+    Reply::of(Overlaps { agents, wall, depth })
+}
+
+/// Who crosses a line.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Flow {
+    #[cfg_attr(feature = "typescript", ts(type = "[number, number, 1 | -1][]"))]
+    crossings: Vec<(usize, usize, i8)>,
 }
 
 /// Returns who crosses a line \[m\] between successive frames: place of the later frame, agent, 1 from left to right of
@@ -116,5 +133,5 @@ pub fn flow(people: usize, line: [[f64; 2]; 2], bytes: &[u8]) -> Result<Reply, R
             }
         }
     }
-    Ok(Reply::of(json!({ "crossings": crossings })))
+    Reply::of(Flow { crossings })
 }

@@ -7,8 +7,24 @@ use lemons_people::{
     Kind, Kinds, Member, PAPER_BICYCLES, PART_MATERIALS, Person, Population, Proportions, Shape, Source,
     people_fitting,
 };
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
+
+/// A kind of people, with somebody of it as an example.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct KindShown {
+    kind: String,
+    disks: Vec<[f64; 3]>,
+    things: Things,
+    /// The disks of who sits in a wheelchair: they are drawn, and nothing of the mechanics.
+    seated: Option<Vec<[f64; 3]>>,
+    /// Where the numbers of the kind are from.
+    sources: Vec<String>,
+}
+
+/// Of each disk the material of the thing that it is of; `None` where it is of a body.
+pub(crate) type Things = Vec<Option<String>>;
 
 /// Returns all kinds that a crowd may have, in the order of their names: an example of each (the first of seed 1; disks x,
 /// y, radius \[m\] in its frame), and the sources of its numbers.
@@ -17,33 +33,31 @@ use std::collections::{BTreeMap, BTreeSet};
 /// None: the table is read by a test.
 pub fn all() -> Result<Reply, Refused> {
     let kinds = Kinds::built_in()?;
-    let shown: Result<Vec<Value>, Refused> = kinds.iter().map(|kind| one(&kinds, kind)).collect();
-    Ok(Reply::of(json!(shown?)))
+    let shown: Result<Vec<KindShown>, Refused> = kinds.iter().map(|kind| one(&kinds, kind)).collect();
+    Reply::of(shown?)
 }
 
-fn one(kinds: &Kinds, kind: &Kind) -> Result<Value, Refused> {
+fn one(kinds: &Kinds, kind: &Kind) -> Result<KindShown, Refused> {
     let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into())?;
     let population = Population::new(Source::ansur()?, Proportions::default(), PAPER_BICYCLES)?.mixed(mix);
     let agent = population.agents(1).next();
     let member = agent.as_ref().and_then(|agent| agent.member());
     let disks: Vec<[f64; 3]> =
         member.map_or(Vec::new(), |member| member.disks.iter().map(|part| flat(&part.disk)).collect());
-    let things: Vec<Option<&str>> = member
-        .map_or(Vec::new(), |member| member.disks.iter().map(|part| part.material.as_deref()).collect());
-    Ok(json!({
-        "kind": kind.name, "disks": disks, "things": things, "seated": member.and_then(sitting),
-        "sources": kind.sources,
-    }))
+    let things =
+        member.map_or(Vec::new(), |member| member.disks.iter().map(|part| part.material.clone()).collect());
+    let (kind, sources) = (kind.name.clone(), kind.sources.clone());
+    Ok(KindShown { kind, disks, things, seated: member.and_then(sitting), sources })
 }
 
 fn flat(disk: &Disk) -> [f64; 3] {
     [disk.centre.x, disk.centre.y, disk.radius]
 }
 
-/// Of each disk the material of the thing that it is of; null of those of bodies. Null if there are only these.
-pub fn things(agent: &Agent) -> Option<Vec<Option<&str>>> {
-    let of = |id: &str| PART_MATERIALS.into_iter().find(|part| *part == id);
-    let all: Vec<Option<&str>> = agent.shapes.iter().map(|disk| of(&disk.material_id)).collect();
+/// Of each disk the material of the thing that it is of. `None` if there are only disks of bodies.
+pub(crate) fn things(agent: &Agent) -> Option<Things> {
+    let of = |id: &String| PART_MATERIALS.contains(&&**id).then(|| id.clone());
+    let all: Things = agent.shapes.iter().map(|disk| of(&disk.material_id)).collect();
     all.iter().any(Option::is_some).then_some(all)
 }
 

@@ -14,6 +14,7 @@
 //! - [`scene`]: what a page draws of it
 //! - [`frame`]: what it keeps of a run, and asks of it; [`map`]: by place; [`limit`]: time above a limit
 //! - [`files`]: files to keep
+//! - `typescript`: types of requests and replies, for the page
 
 pub mod base;
 pub mod body;
@@ -31,18 +32,21 @@ pub mod person;
 pub mod room;
 pub mod run;
 pub mod scene;
+#[cfg(feature = "typescript")]
+pub mod typescript;
 pub mod upload;
 
 use base::{Base, Basis};
 use lemons_people::placing::Watch;
-use serde::Deserialize;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// A request of a page. `run` is the number of the run that is meant: a page may still ask about one that another has
 /// replaced. Places are in m, angles in rad.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(tag = "ask", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(missing_docs)] // as said
 pub enum Request {
@@ -82,6 +86,7 @@ pub enum Request {
 
 /// A scene that is to be run.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Shown {
     /// Where it comes from. The bytes are its files.
     pub base: Base,
@@ -90,12 +95,25 @@ pub struct Shown {
     pub edits: Vec<edit::Edit>,
     /// Whether changes by hand that do not fit are left out; else they are refused, or made.
     #[serde(default)]
+    #[cfg_attr(feature = "typescript", ts(optional, as = "Option<bool>"))]
     pub fitting: bool,
     /// Changes of materials, contacts and steps.
     #[serde(default)]
+    #[cfg_attr(feature = "typescript", ts(optional))]
     pub mechanics: Option<mechanics::Mechanics>,
     /// The drive of people.
     pub motion: motion::Motion,
+}
+
+/// The answer to [`Request::Show`].
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+struct Opened {
+    scene: scene::Scene,
+    notes: Vec<String>,
+    made: Option<crowd::PlacedCrowd>,
+    /// Changes by hand that do not fit: their places, and why.
+    left_out: Vec<(usize, String)>,
 }
 
 /// An answer.
@@ -108,8 +126,12 @@ pub struct Reply {
 }
 
 impl Reply {
-    fn of(value: Value) -> Reply {
-        Reply { value, bytes: Vec::new() }
+    fn of(value: impl Serialize) -> Result<Reply, Refused> {
+        Reply::with(value, Vec::new())
+    }
+
+    fn with(value: impl Serialize, bytes: Vec<u8>) -> Result<Reply, Refused> {
+        Ok(Reply { value: serde_json::to_value(value)?, bytes })
     }
 }
 
@@ -155,7 +177,7 @@ impl Lab {
         match request {
             Request::Person(wanted) => person::person(wanted),
             Request::Body(wanted) => body::of_person(&wanted.person()?),
-            Request::Bicycle {} => Ok(person::bicycle()),
+            Request::Bicycle {} => person::bicycle(),
             Request::Kinds {} => kinds::all(),
             Request::Show(shown) => self.show(shown, bytes, watch),
             Request::Room(wanted) => room::drawn(wanted),
@@ -205,17 +227,14 @@ impl Lab {
             notes.extend(room::unfit(&basis.driven.trial, &driven.trial));
         }
         let mut run = run::Run::begin(driven)?;
-        let mut value = scene::of(&run);
         self.runs += 1;
-        value["run"] = self.runs.into();
-        value["warnings"] = json!(warnings.unwrap_or_default());
-        value["beyond_doors"] = json!(base.beyond_doors(&shown.edits, &run.driven.trial));
+        let mut scene = scene::of(&run);
+        scene.run = self.runs;
+        scene.warnings = warnings.unwrap_or_default();
+        scene.beyond_doors = base.beyond_doors(&shown.edits, &run.driven.trial);
         let bytes = run.frame()?;
         self.open = Some(run);
-        let left_out: Vec<_> = left_out.into_iter().collect();
-        Ok(Reply {
-            value: json!({ "scene": value, "notes": notes, "made": basis.made, "left_out": left_out }),
-            bytes,
-        })
+        let (left_out, made) = (left_out.into_iter().collect(), basis.made.clone());
+        Reply::with(Opened { scene, notes, made, left_out }, bytes)
     }
 }

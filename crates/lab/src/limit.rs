@@ -5,14 +5,14 @@
 use crate::frame::numbers;
 use crate::{Lab, Refused, Reply, require, within};
 use lemons_results::measure::{Above, Exposure};
-use serde::Deserialize;
-use serde_json::json;
+use serde::{Deserialize, Serialize};
 
 /// How many are known at a time.
 const MOST: u32 = 4;
 
 /// Frames more about a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct LimitRequest {
     /// Number of what is asked about, below [`MOST`].
@@ -26,6 +26,28 @@ pub struct LimitRequest {
     over: f64,
     /// Place of the first frame; 0 begins anew.
     from: u64,
+}
+
+/// How long people were above a limit.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Limit {
+    /// `None`: the run is shorter than the means, or a step is longer.
+    above: Option<AboveLimit>,
+}
+
+/// Who was above a limit, and how long \[s\].
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct AboveLimit {
+    people: usize,
+    /// `None`: never.
+    first: Option<f64>,
+    /// Who was above it longest without a break, and how long.
+    who: usize,
+    longest: f64,
+    /// Of all of them.
+    time: f64,
 }
 
 /// What is known of a limit so far.
@@ -69,16 +91,16 @@ pub fn add(lab: &mut Lab, wanted: &LimitRequest, bytes: &[u8]) -> Result<Reply, 
     }
     let all: Option<Vec<Above>> = known.exposure.so_far().iter().map(|one| one.above[0]).collect();
     lab.limits.insert(number, known);
-    let value = all.map(|all| {
+    let above = all.map(|all| {
         let first = all.iter().filter_map(|one| one.first);
-        let who = (0..people).reduce(|a, b| if all[b].longest > all[a].longest { b } else { a });
-        json!({
-            "people": first.clone().count(),
-            "first": first.reduce(f64::min),
-            "who": who,
-            "longest": who.map(|who| all[who].longest),
-            "time": all.iter().map(|one| one.time).sum::<f64>(),
-        })
+        let who = (1..people).fold(0, |a, b| if all[b].longest > all[a].longest { b } else { a });
+        AboveLimit {
+            people: first.clone().count(),
+            first: first.reduce(f64::min),
+            who,
+            longest: all[who].longest,
+            time: all.iter().map(|one| one.time).sum(),
+        }
     });
-    Ok(Reply::of(json!({ "above": value })))
+    Reply::of(Limit { above })
 }

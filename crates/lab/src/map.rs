@@ -7,8 +7,7 @@ use crate::{Refused, Reply, require};
 use lemons_core::plane::{Bounds, InPlane, Vec2, vec2};
 use lemons_picture::{DENSITY_KERNEL, DensityMap};
 use lemons_results::measure::SqueezeMap;
-use serde::Deserialize;
-use serde_json::json;
+use serde::{Deserialize, Serialize};
 
 /// \[m\] What is shown around walls, exits, goals, ways, and people at the start.
 const AROUND: f64 = 1.0;
@@ -17,6 +16,7 @@ const ROW: usize = 3;
 
 /// What a map shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
     /// People per m².
@@ -72,6 +72,17 @@ fn extent(driven: &Driven) -> Bounds {
     }
 }
 
+/// The cells of a map \[m\].
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Grid {
+    /// The middle of the lowest cell on the left.
+    low: [f64; 2],
+    cell: [f64; 2],
+    columns: usize,
+    rows: usize,
+}
+
 /// Adds frames to the run's map of a quantity, or to a new one. The bytes have `ROW` doubles for each person of each frame;
 /// who has left has no numbers there. The answer: the middle of the lowest left cell, the size of a cell, how many there are
 /// along x and y, and how many frames; its bytes: of each cell the density, or the mean and the greatest squeeze and the number
@@ -106,7 +117,7 @@ pub fn add(run: &mut Run, quantity: Quantity, fresh: bool, bytes: &[u8]) -> Resu
         }
     };
     let low = view.low + cell * 0.5;
-    let value = json!({ "low": [low.x, low.y], "cell": [cell.x, cell.y], "columns": columns, "rows": rows });
+    let grid = Grid { low: low.into(), cell: cell.into(), columns, rows };
     run.map = Some(map);
-    Ok(Reply { value, bytes: values.into_iter().flat_map(f64::to_le_bytes).collect() })
+    Reply::with(grid, values.into_iter().flat_map(f64::to_le_bytes).collect())
 }

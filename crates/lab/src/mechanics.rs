@@ -5,7 +5,7 @@ use crowd_mechanics::setup;
 use lemons_core::files::source::Memory;
 use lemons_core::trial::{FileNames, Trial};
 use lemons_people::PART_MATERIALS;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Most materials, and most contacts, that may be changed.
@@ -13,34 +13,37 @@ const MOST: usize = 1000;
 
 /// Changed numbers of a Trial. What is not among them is as the Trial has it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Mechanics {
     /// \[s\]
     time_step: Option<f64>,
     /// \[s\]
     time_step_mechanical: Option<f64>,
-    materials: Vec<Material>,
-    contacts: Vec<Contact>,
+    materials: Vec<Material2d>,
+    contacts: Vec<Contact<Option<f64>>>,
 }
 
 /// Both moduli \[N/m\] of a material.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
-struct Material {
-    id: String,
-    young_modulus: f64,
-    shear_modulus: f64,
+pub(crate) struct Material2d {
+    pub id: String,
+    pub young_modulus: f64,
+    pub shear_modulus: f64,
 }
 
 /// Both dampings \[kg/s\] of a contact, and its friction: `None` for that of the Trial.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
-struct Contact {
-    id1: String,
-    id2: String,
-    gamma_normal: f64,
-    gamma_tangential: f64,
-    kinetic_friction: Option<f64>,
+pub(crate) struct Contact<F> {
+    pub id1: String,
+    pub id2: String,
+    pub gamma_normal: f64,
+    pub gamma_tangential: f64,
+    pub kinetic_friction: F,
 }
 
 impl Mechanics {
@@ -59,7 +62,7 @@ impl Mechanics {
         parameters.time_step = self.time_step.unwrap_or(parameters.time_step);
         parameters.time_step_mechanical =
             self.time_step_mechanical.unwrap_or(parameters.time_step_mechanical);
-        for Material { id, young_modulus, shear_modulus } in &self.materials {
+        for Material2d { id, young_modulus, shear_modulus } in &self.materials {
             let found = trial.materials.intrinsic.iter_mut().find(|material| material.id == *id);
             if found.is_none() && waits(id) {
                 continue;

@@ -12,6 +12,7 @@ use serde::Deserialize;
 
 /// The drive of people.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(missing_docs)] // as said
 pub enum Motion {
@@ -38,7 +39,10 @@ pub enum Motion {
     },
     /// They walk around walls, to the exits and goals of a decision.toml. Without exits, everybody goes to the nearest of
     /// several goals.
-    Go { wishes: Box<DecisionConfig> },
+    Go {
+        #[cfg_attr(feature = "typescript", ts(type = "Wishes"))]
+        wishes: Box<DecisionConfig>,
+    },
 }
 
 /// Replaces what drives the people.

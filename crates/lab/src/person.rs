@@ -3,11 +3,11 @@
 use crate::body::section_of;
 use crate::{Refused, Reply, within};
 use lemons_people::{BICYCLE_MEASURES, Bicycle, Measure, Person, Sex, Shape, ansur};
-use serde::Deserialize;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
 
 /// A person's sex and measures.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct PersonRequest {
     /// "male" or "female".
@@ -41,6 +41,50 @@ impl PersonRequest {
     }
 }
 
+/// A person, as a page shows it.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct PersonShown {
+    sex: Sex,
+    measures: Vec<MeasureShown>,
+    disks: Vec<[f64; 3]>,
+    area: f64,
+    inertia: f64,
+    surveyed: u32,
+    /// Polygons of the body at the altitude that was asked for, in its frame; `None` if none was.
+    sections: Option<Vec<Vec<[f64; 2]>>>,
+}
+
+/// A measure among those of the survey.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct MeasureShown {
+    name: &'static str,
+    unit: &'static str,
+    value: f64,
+    possible: [f64; 2],
+    /// Fraction of the surveyed people below the value.
+    rank: f64,
+    quantiles: Vec<f64>,
+}
+
+/// A bicycle: rectangles \[m\], and measures.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct BicycleShown {
+    rectangles: Vec<[[f64; 2]; 4]>,
+    measures: Vec<BicycleMeasure>,
+}
+
+/// A measure of a bicycle.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct BicycleMeasure {
+    name: &'static str,
+    unit: &'static str,
+    value: f64,
+}
+
 /// Returns measures, disks \[m\] in the body's frame, area \[m²\], moment of inertia \[kg m²\] and ranks.
 ///
 /// # Errors
@@ -51,33 +95,36 @@ pub fn person(wanted: &PersonRequest) -> Result<Reply, Refused> {
     let shape = Shape::of(&person)?;
     let about = |(k, measure): (usize, &Measure)| {
         let of = &survey.measures[k];
-        json!({
-            "name": measure.name(), "unit": measure.unit(), "value": measures[k], "possible": measure.possible(),
-            "rank": of.rank(measures[k]), "quantiles": of.quantiles,
-        })
+        MeasureShown {
+            name: measure.name(),
+            unit: measure.unit(),
+            value: measures[k],
+            possible: measure.possible(),
+            rank: of.rank(measures[k]),
+            quantiles: of.quantiles.to_vec(),
+        }
     };
-    let measures: Vec<Value> = Measure::ALL.iter().enumerate().map(about).collect();
-    let disks: Vec<[f64; 3]> =
-        shape.disks.iter().map(|disk| [disk.centre.x, disk.centre.y, disk.radius]).collect();
-    let sections = wanted.altitude.map(|altitude| section_of(&person, altitude)).transpose()?;
-    Ok(Reply::of(json!({
-        "sex": sex.name(), "measures": measures, "disks": disks, "area": shape.moments().area,
-        "inertia": shape.inertia(person.mass), "surveyed": survey.count,
-        "sections": sections,
-    })))
+    Reply::of(PersonShown {
+        sex,
+        measures: Measure::ALL.iter().enumerate().map(about).collect(),
+        disks: shape.disks.iter().map(|disk| [disk.centre.x, disk.centre.y, disk.radius]).collect(),
+        area: shape.moments().area,
+        inertia: shape.inertia(person.mass),
+        surveyed: survey.count,
+        sections: wanted.altitude.map(|altitude| section_of(&person, altitude)).transpose()?,
+    })
 }
 
 /// Returns the two rectangles of a bicycle \[m\], in its frame, and its measures.
-pub fn bicycle() -> Reply {
+///
+/// # Errors
+/// None.
+pub fn bicycle() -> Result<Reply, Refused> {
     let bicycle = Bicycle::TEMPLATE;
     let corners = |(length, width): (f64, f64)| {
         [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| [0.5 * x * length, 0.5 * y * width])
     };
-    let measures = BICYCLE_MEASURES
-        .into_iter()
-        .zip(bicycle.measures())
-        .map(|((name, unit), value)| json!({ "name": name, "unit": unit, "value": value }));
-    Reply::of(json!({
-        "rectangles": bicycle.rectangles().map(corners), "measures": measures.collect::<Vec<_>>(),
-    }))
+    let measures = BICYCLE_MEASURES.into_iter().zip(bicycle.measures());
+    let measures = measures.map(|((name, unit), value)| BicycleMeasure { name, unit, value }).collect();
+    Reply::of(BicycleShown { rectangles: bicycle.rectangles().map(corners).into(), measures })
 }

@@ -13,8 +13,7 @@ use lemons_people::drawing::{
 use lemons_people::room::{Edit, Room};
 use lemons_people::{Door, PeopleError, is_closed, nearest_wall};
 use lemons_scenario::WALLS;
-use serde::Deserialize;
-use serde_json::json;
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -25,6 +24,7 @@ const REACH: f64 = 1000.0;
 
 /// A question about a room that is drawn.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct RoomRequest {
     /// As it was.
@@ -33,6 +33,39 @@ pub struct RoomRequest {
     pub edit: Option<Edit>,
     /// \[m\] A place: where is the nearest wall?
     pub near: Option<[f64; 2]>,
+}
+
+/// A room as it is drawn.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Drawn {
+    room: Room,
+    /// The way of each door along its wall, from end to end.
+    doors: Vec<Vec<[f64; 2]>>,
+    rings: Vec<Outline>,
+    near: Option<Near>,
+}
+
+/// A line of a room.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Outline {
+    /// Width, height, left and low of the rectangle around it.
+    bounds: [f64; 4],
+    /// Whether it is this rectangle.
+    upright: bool,
+    /// Middles of its sides.
+    middles: Vec<[f64; 2]>,
+}
+
+/// The place on a wall that is nearest to the place that was asked for.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Near {
+    ring: usize,
+    side: usize,
+    at: [f64; 2],
+    away: f64,
 }
 
 /// Returns the room after the edit. It may have walls that cross, and any size: it is not made yet. With it, of each door
@@ -54,15 +87,15 @@ pub fn drawn(RoomRequest { room, edit, near }: &RoomRequest) -> Result<Reply, Re
         let middles: Vec<Vec2> = line.windows(2).map(|side| (side[0] + side[1]) * 0.5).collect();
         let bounds = [size.x, size.y, low.x, low.y];
         let ring = Ring::through(line.clone()).filter(|_| is_closed(line));
-        json!({ "bounds": bounds, "upright": ring.is_some_and(|ring| ring.is_upright()), "middles": points(&middles) })
+        let upright = ring.is_some_and(|ring| ring.is_upright());
+        Outline { bounds, upright, middles: points(&middles) }
     };
     let near = near.and_then(|place| nearest_wall(&lines, place.into()));
-    let near = near.map(|(ring, foot)| {
-        json!({ "ring": ring, "side": foot.side, "at": <[f64; 2]>::from(foot.place), "away": foot.distance })
-    });
-    let doors: Vec<_> = room.doors.iter().map(course).collect();
-    let rings: Vec<_> = lines.iter().map(shape).collect();
-    Ok(Reply::of(json!({ "room": room, "doors": doors, "rings": rings, "near": near })))
+    let near =
+        near.map(|(ring, foot)| Near { ring, side: foot.side, at: foot.place.into(), away: foot.distance });
+    let doors = room.doors.iter().map(course).collect();
+    let rings = lines.iter().map(shape).collect();
+    Reply::of(Drawn { room, doors, rings, near })
 }
 
 fn points(of: &[Vec2]) -> Vec<[f64; 2]> {
@@ -130,8 +163,72 @@ pub fn unfit(before: &Trial, after: &Trial) -> Vec<String> {
     said(after).into_iter().filter(|message| !before.contains(message)).collect()
 }
 
+/// What is in a drawing.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Understood {
+    /// `None`: no wall is closed, but there are proposals.
+    room: Option<Room>,
+    exits: Vec<ExitFound>,
+    /// Where people stand.
+    distributions: Vec<Vec<[f64; 2]>>,
+    waypoints: usize,
+    /// \[m²\]
+    area: Option<f64>,
+    /// As `lemons room` says it: what, and how.
+    said: Vec<(String, String)>,
+    /// Those of which some can be chosen as walls.
+    layers: Vec<String>,
+    /// Why its outline may not be the room.
+    doubt: Option<String>,
+    proposal: Option<Proposed>,
+}
+
+/// An exit of a drawing.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct ExitFound {
+    name: String,
+    corners: Vec<[f64; 2]>,
+}
+
+/// What a drawing seems to be: [`Proposal`].
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Proposed {
+    layers: Vec<LayerFound>,
+    walls: Vec<String>,
+    obstacles: Vec<String>,
+    widest: f64,
+    close: Option<f64>,
+    areas: [f64; 2],
+    ground: Vec<Vec<[f64; 2]>>,
+    gaps: Vec<GapFound>,
+    questions: Vec<String>,
+}
+
+/// A layer of a drawing.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct LayerFound {
+    name: String,
+    sort: &'static str,
+    lines: usize,
+}
+
+/// A gap in a wall of a drawing.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct GapFound {
+    kind: &'static str,
+    door: Door,
+    outside: bool,
+    said: String,
+}
+
 /// A drawing, or a Geometry.xml, and how it is understood.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct DrawingRequest {
     /// The file's name, which says the format.
@@ -215,29 +312,42 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
     let exit = |(k, Place { name, corners }): (usize, &Place)| {
         let beyond = doors.get(&k).and_then(|door| door.exit(&lines, std::iter::empty()));
         let corners = beyond.map_or_else(|| corners.clone(), |line| line.to_vec());
-        json!({ "name": name, "corners": points(&corners) })
+        ExitFound { name: name.clone(), corners: points(&corners) }
     };
-    let exits: Vec<_> = plan.exits.iter().enumerate().map(exit).collect();
-    let places = |of: &[Place]| of.iter().map(|place| points(&place.corners)).collect::<Vec<_>>();
-    Ok(Reply::of(json!({
-        "room": room, "exits": exits, "distributions": places(&plan.distributions), "area": plan.area(),
-        "waypoints": plan.waypoints.len(), "said": said, "layers": layers, "doubt": doubt,
-        "proposal": proposal.as_ref().map(proposed),
-    })))
+    Reply::of(Understood {
+        exits: plan.exits.iter().enumerate().map(exit).collect(),
+        distributions: plan.distributions.iter().map(|place| points(&place.corners)).collect(),
+        waypoints: plan.waypoints.len(),
+        area: plan.area(),
+        proposal: proposal.as_ref().map(proposed),
+        room,
+        said,
+        layers,
+        doubt,
+    })
 }
 
 /// What a drawing seems to be, for the page.
-fn proposed(found: &Proposal) -> serde_json::Value {
-    let gap = |gap: &Gap| json!({ "kind": gap.kind(), "door": gap.door(), "outside": gap.leads == Leads::Outside, "said": gap.described() });
+fn proposed(found: &Proposal) -> Proposed {
+    let gap = |gap: &Gap| GapFound {
+        kind: gap.kind(),
+        door: gap.door(),
+        outside: gap.leads == Leads::Outside,
+        said: gap.described(),
+    };
     let layer =
-        |layer: &Layer| json!({ "name": layer.name, "sort": layer.sort.name(), "lines": layer.lines });
-    json!({
-        "layers": found.layers.iter().map(layer).collect::<Vec<_>>(),
-        "walls": found.walls, "obstacles": found.enclosing.obstacles, "widest": found.enclosing.widest,
-        "close": found.close, "areas": found.areas,
-        "ground": found.ground.iter().map(|rim| points(rim)).collect::<Vec<_>>(),
-        "gaps": found.gaps.iter().map(gap).collect::<Vec<_>>(), "questions": found.questions,
-    })
+        |layer: &Layer| LayerFound { name: layer.name.clone(), sort: layer.sort.name(), lines: layer.lines };
+    Proposed {
+        layers: found.layers.iter().map(layer).collect(),
+        walls: found.walls.clone(),
+        obstacles: found.enclosing.obstacles.clone(),
+        widest: found.enclosing.widest,
+        close: found.close,
+        areas: found.areas,
+        ground: found.ground.iter().map(|rim| points(rim)).collect(),
+        gaps: found.gaps.iter().map(gap).collect(),
+        questions: found.questions.clone(),
+    }
 }
 
 /// What to do where the unit is not known.

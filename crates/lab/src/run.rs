@@ -10,7 +10,7 @@ use lemons_core::plane::Pose;
 use lemons_people::Figure;
 use lemons_results::Frame;
 use lemons_sim::{Algorithm, Documents, Replay, Simulation};
-use serde_json::json;
+use serde::Serialize;
 use std::cell::OnceCell;
 
 /// Most communication steps of a request: a page wants to be heard between them.
@@ -19,6 +19,16 @@ pub const MOST_STEPS: u32 = 1000;
 pub const MOST_BYTES: u64 = 100_000_000;
 /// Most mechanical steps of a person in a communication step, for all people together: about a quarter of a minute.
 pub const MOST_WORK: f64 = 5e8;
+
+/// Numbers of each further step.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Advanced {
+    /// \[m\] Deepest overlap so far.
+    overlaps: Vec<f64>,
+    /// How many of those who walk have arrived or left.
+    arrived: Vec<usize>,
+}
 
 /// A Trial and its simulation.
 pub struct Run {
@@ -103,7 +113,7 @@ impl Run {
             overlaps.push(self.overlap);
             arrived.push(self.simulation.arrived()?);
         }
-        Ok(Reply { value: json!({ "overlaps": overlaps, "arrived": arrived }), bytes })
+        Reply::with(Advanced { overlaps, arrived }, bytes)
     }
 
     /// Checks that a communication step is not too much work for a page.
@@ -144,7 +154,7 @@ impl Run {
         let frame = Frame { time, ..frame::frame(bytes, self.people())? };
         let forces = self.pair_forces(&frame)?.into_iter();
         let numbers = forces.flat_map(|of| [of.from.x, of.from.y, of.to.x, of.to.y, of.normal_force]);
-        Ok(Reply { value: json!({}), bytes: numbers.flat_map(f64::to_le_bytes).collect() })
+        Reply::with(serde_json::json!({}), numbers.flat_map(f64::to_le_bytes).collect())
     }
 
     /// The same for pictures.

@@ -2,86 +2,177 @@
 
 use crate::frame::overlapping;
 use crate::kinds;
+use crate::mechanics::{Contact, Material2d};
 use crate::run::Run;
 use crowd_mechanics::setup::Setup;
-use lemons_core::trial::{Agent, Contact, Material, Wall};
-use lemons_people::{Person, mechanical_step_for};
-use serde_json::{Value, json};
-use std::collections::BTreeSet;
+use lemons_core::trial;
+use lemons_decision::rule::Waypoint;
+use lemons_decision::target::Target;
+use lemons_people::{Person, Sex, mechanical_step_for};
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A scene.
+#[derive(Default, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Scene {
+    /// The number of its run.
+    pub run: u32,
+    name: String,
+    agents: Vec<AgentShown>,
+    /// What goes along with people of each kind.
+    kinds: BTreeMap<String, Vec<String>>,
+    walls: Vec<WallShown>,
+    step: f64,
+    mechanical_step: f64,
+    /// The longest stable mechanical step; `None` if nothing can touch.
+    stable: Option<f64>,
+    /// The longest mechanical step without a warning.
+    longest: Option<f64>,
+    /// The one that a crowd gets.
+    advised: Option<f64>,
+    /// About how large errors of positions are with the mechanical step.
+    error: Option<f64>,
+    /// Of changed materials and steps.
+    pub warnings: Vec<String>,
+    materials: Vec<Material2d>,
+    contacts: Vec<Contact<f64>>,
+    /// Agents that overlap others or walls at the start.
+    overlapping: BTreeSet<usize>,
+    /// The deepest overlap at the start.
+    overlap: f64,
+    /// Ids of those who get a force of their own over time.
+    pushed: Vec<String>,
+    /// Whether people walk, on ways or to exits and goals.
+    walk: bool,
+    ways: Vec<Vec<Waypoint>>,
+    /// Exits, then goals.
+    targets: Vec<Target>,
+    /// How many have an exit.
+    leaving: usize,
+    /// A line 1 m beyond each door of a crowd's room.
+    pub beyond_doors: Vec<[[f64; 2]; 2]>,
+    /// How the people of a crowd were drawn; `None` if only their disks are known.
+    people: Option<Vec<Option<PersonDrawn>>>,
+}
+
+/// An agent of a scene.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+struct AgentShown {
+    id: String,
+    /// \[kg\] Of all, with what goes along.
+    mass: f64,
+    disks: Vec<[f64; 3]>,
+    kind: Option<String>,
+    /// \[m/s\] Desired speed, if somebody says it.
+    speed: Option<f64>,
+    things: Option<kinds::Things>,
+    seated: Option<Vec<[f64; 3]>>,
+}
+
+/// A wall of a scene.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+struct WallShown {
+    id: String,
+    corners: Vec<[f64; 2]>,
+    /// \[s\] Times from which to which it is open; without, never.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    open: Vec<[f64; 2]>,
+}
+
+/// Measures of somebody in a crowd.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+struct PersonDrawn {
+    sex: Sex,
+    breadth: f64,
+    depth: f64,
+    stature: f64,
+    mass: f64,
+}
 
 /// Returns the walls' corners \[m\]; each agent's Id, mass \[kg\] and disks (x, y, radius \[m\], in the body's frame), its
 /// kind with what goes along ([`kinds`]), its desired speed \[m/s\], and measures where they are known; who overlaps; who
 /// is pushed; ways, exits and goals of those who walk, and how many leave; the steps, materials and contacts. Of a run at
 /// its start; [`crate::Lab`] adds its number, warnings, and lines beyond doors.
-pub fn of(run: &Run) -> Value {
+pub(crate) fn of(run: &Run) -> Scene {
     let driven = &run.driven;
     let trial = &driven.trial;
-    let agent = |(k, agent): (usize, &Agent)| {
+    let agent = |(k, agent): (usize, &trial::Agent)| {
         // A Trial may show its disks at another orientation than 0.
         let disks = agent.disks_facing_x().into_iter();
-        let disks: Vec<[f64; 3]> = disks.map(|(place, radius)| [place.x, place.y, radius]).collect();
         let made = driven.people.as_ref().and_then(|people| people[k].member());
         let planned = driven.plan.as_ref().map(|plan| plan.agents[k].walker.desired_speed);
-        let speed = planned.or_else(|| made.map(|member| member.speed));
-        json!({
-            "id": agent.id, "mass": agent.mass, "disks": disks, "kind": agent.kind, "speed": speed,
-            "things": kinds::things(agent), "seated": kinds::seated(agent, made),
-        })
-    };
-    let wall = |wall: &Wall| {
-        let corners: Vec<[f64; 2]> = wall.corners.iter().copied().map(Into::into).collect();
-        let mut value = json!({ "id": wall.id, "corners": corners });
-        if !wall.open.is_empty() {
-            value["open"] = json!(wall.open);
+        AgentShown {
+            id: agent.id.clone(),
+            mass: agent.mass,
+            disks: disks.map(|(place, radius)| [place.x, place.y, radius]).collect(),
+            kind: agent.kind.clone(),
+            speed: planned.or_else(|| made.map(|member| member.speed)),
+            things: kinds::things(agent),
+            seated: kinds::seated(agent, made),
         }
-        value
+    };
+    let wall = |wall: &trial::Wall| WallShown {
+        id: wall.id.clone(),
+        corners: wall.corners.iter().copied().map(Into::into).collect(),
+        open: wall.open.clone(),
     };
     let person = |agent: &lemons_people::Agent| {
         let Person { sex, breadth, depth, stature, mass } = *agent.everybody().first()?;
-        Some(
-            json!({ "sex": sex.name(), "breadth": breadth, "depth": depth, "stature": stature, "mass": mass }),
-        )
+        Some(PersonDrawn { sex, breadth, depth, stature, mass })
     };
-    let people = driven.people.as_ref().map(|people| people.iter().map(person).collect::<Vec<_>>());
     let plan = driven.plan.as_ref();
-    let ways = plan.map(|plan| plan.ways_of_points(100)).unwrap_or_default();
-    let targets = plan.map_or(&[][..], |plan| &plan.targets);
-    let mut pushed: Vec<&str> = driven.table.agents().collect();
+    let mut pushed: Vec<String> = driven.table.agents().map(str::to_owned).collect();
     pushed.sort_unstable();
     let of_people: BTreeSet<&str> =
         trial.agents.iter().flat_map(|agent| &agent.shapes).map(|disk| &*disk.material_id).collect();
     let of_walls = trial.geometry.walls.iter().map(|wall| &*wall.material_id);
     let used: BTreeSet<&str> = of_people.iter().copied().chain(of_walls).collect();
     let materials = trial.materials.intrinsic.iter().filter(|of| used.contains(&*of.id));
-    let material = |of: &Material| {
-        let Material { id, young_modulus, shear_modulus } = of;
-        json!({ "id": id, "young_modulus": young_modulus, "shear_modulus": shear_modulus })
+    let material = |of: &trial::Material| Material2d {
+        id: of.id.clone(),
+        young_modulus: of.young_modulus,
+        shear_modulus: of.shear_modulus,
     };
     let contacts = trial.materials.binary.iter().filter(|of| {
         let pair = [&*of.id1, &*of.id2];
         pair.iter().all(|id| used.contains(id)) && pair.iter().any(|id| of_people.contains(id))
     });
-    let contact = |of: &Contact| {
-        json!({
-            "id1": of.id1, "id2": of.id2, "gamma_normal": of.gamma_normal,
-            "gamma_tangential": of.gamma_tangential, "kinetic_friction": of.kinetic_friction,
-        })
+    let contact = |of: &trial::Contact| Contact {
+        id1: of.id1.clone(),
+        id2: of.id2.clone(),
+        gamma_normal: of.gamma_normal,
+        gamma_tangential: of.gamma_tangential,
+        kinetic_friction: of.kinetic_friction,
     };
     let steps = Setup::of(trial).steps();
     let steps = steps.as_ref();
     let (overlapping, _, overlap) = overlapping(run.world(), None);
-    json!({
-        "name": trial.name,
-        "agents": trial.agents.iter().enumerate().map(agent).collect::<Vec<_>>(),
-        "walls": trial.geometry.walls.iter().map(wall).collect::<Vec<_>>(),
-        "step": trial.parameters.time_step,
-        "mechanical_step": trial.parameters.time_step_mechanical,
-        "stable": steps.map(|steps| steps.stable()),
-        "longest": steps.map(|steps| steps.longest()),
-        "advised": steps.and_then(|steps| steps.proposed()).map(|_| mechanical_step_for(trial)),
-        "error": steps.map(|steps| steps.error(trial.parameters.time_step_mechanical)),
-        "materials": materials.map(material).collect::<Vec<_>>(), "contacts": contacts.map(contact).collect::<Vec<_>>(),
-        "pushed": pushed, "walk": plan.is_some(), "ways": ways, "targets": targets, "leaving": plan.map_or(0, |plan| plan.leaving().into_iter().filter(|leaves| *leaves).count()),
-        "kinds": kinds::parts(trial), "people": people, "overlapping": overlapping, "overlap": overlap,
-    })
+    Scene {
+        name: trial.name.clone(),
+        agents: trial.agents.iter().enumerate().map(agent).collect(),
+        kinds: kinds::parts(trial),
+        walls: trial.geometry.walls.iter().map(wall).collect(),
+        step: trial.parameters.time_step,
+        mechanical_step: trial.parameters.time_step_mechanical,
+        stable: steps.map(|steps| steps.stable()),
+        longest: steps.map(|steps| steps.longest()),
+        advised: steps.and_then(|steps| steps.proposed()).map(|_| mechanical_step_for(trial)),
+        error: steps.map(|steps| steps.error(trial.parameters.time_step_mechanical)),
+        materials: materials.map(material).collect(),
+        contacts: contacts.map(contact).collect(),
+        overlapping,
+        overlap,
+        pushed,
+        walk: plan.is_some(),
+        ways: plan
+            .map_or_else(Vec::new, |plan| plan.ways_of_points(100).into_iter().map(<[_]>::to_vec).collect()),
+        targets: plan.map_or_else(Vec::new, |plan| plan.targets.clone()),
+        leaving: plan.map_or(0, |plan| plan.leaving().into_iter().filter(|leaves| *leaves).count()),
+        people: driven.people.as_ref().map(|people| people.iter().map(person).collect()),
+        ..Scene::default()
+    }
 }

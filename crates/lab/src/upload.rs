@@ -7,7 +7,6 @@ use lemons_core::files::input::{self, Bounded};
 use lemons_core::files::source::{Memory, Source};
 use lemons_core::trial::{DRIVE_FILE, DriveTable, FileNames, Parameters};
 use lemons_decision::DECISION_FILE;
-use serde_json::Value;
 use std::io::{Cursor, Read as _};
 use std::path::{Component, Path, PathBuf};
 use zip::ZipArchive;
@@ -254,5 +253,5 @@ fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<Basis, R
         driven.table = table.map_err(|error| error.of_file(&place.join(DRIVE_FILE)))?;
     }
     notes.extend(warnings.iter().map(ToString::to_string));
-    Ok(Basis { driven, notes, made: Value::Null })
+    Ok(Basis { driven, notes, made: None })
 }

@@ -20,9 +20,11 @@ const GRAINS: f64 = 1e9;
 
 /// A gap in the wall that is nearest to a point. It may go round a corner.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Door {
     /// \[m\] The wall's point that is nearest to this one is the middle of the gap.
+    #[cfg_attr(feature = "typescript", ts(as = "[f64; 2]"))]
     pub at: Vec2,
     /// \[m\] Width, along the wall.
     pub width: f64,

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// Sex, which selects the statistics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "lowercase")]
 pub enum Sex {
     /// A man.

@@ -10,11 +10,14 @@ use serde::{Deserialize, Serialize};
 
 /// A room. Outlines may go round in either direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Room {
     /// \[m\] Corners, the first one not repeated; none where the walls of a Trial are changed.
+    #[cfg_attr(feature = "typescript", ts(as = "Vec<[f64; 2]>"))]
     pub outline: Vec<Vec2>,
     /// \[m\] The corners of each.
+    #[cfg_attr(feature = "typescript", ts(as = "Vec<Vec<[f64; 2]>>"))]
     pub obstacles: Vec<Vec<Vec2>>,
     /// Further walls, open ones too.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -25,9 +28,11 @@ pub struct Room {
 
 /// A wall that need not be closed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Further {
     /// \[m\] Corners; the first one is repeated at the end of a closed wall.
+    #[cfg_attr(feature = "typescript", ts(as = "Vec<[f64; 2]>"))]
     pub corners: Vec<Vec2>,
     /// The Id of the Trial's wall that it was: it keeps Id and material.
     #[serde(default)]
@@ -42,13 +47,24 @@ impl Further {
 
 /// A change of a room. Line 0 is its outline, obstacles and further walls follow; side 0 begins at corner 0.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(rename = "RoomEdit"))]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(missing_docs)] // places in m
 pub enum Edit {
     /// A corner goes elsewhere.
-    Move { ring: usize, corner: usize, to: Vec2 },
+    Move {
+        ring: usize,
+        corner: usize,
+        #[cfg_attr(feature = "typescript", ts(as = "[f64; 2]"))]
+        to: Vec2,
+    },
     /// A side gets a corner.
-    Insert { ring: usize, side: usize, at: Vec2 },
+    Insert {
+        ring: usize,
+        side: usize,
+        #[cfg_attr(feature = "typescript", ts(as = "[f64; 2]"))]
+        at: Vec2,
+    },
     /// A corner goes away.
     Remove { ring: usize, corner: usize },
     /// An obstacle or a further wall goes away, with its doors.

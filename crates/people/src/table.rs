@@ -10,6 +10,7 @@ use std::fmt;
 
 /// Statistics of one measure over some agents.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Summary {
     /// Name of the measure.
     pub measure: &'static str,
@@ -27,6 +28,7 @@ pub struct Summary {
 
 /// Statistics of one kind of agents.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct KindStatistics {
     /// "male", "female", the name of a kind, or "bicycle".
     pub kind: String,
@@ -40,6 +42,7 @@ pub struct KindStatistics {
 
 /// Statistics of each kind that a crowd has: men, women, kinds of people in the order of their names, bicycles.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct CrowdStatistics(pub Vec<KindStatistics>);
 
 impl CrowdStatistics {

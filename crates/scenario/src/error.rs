@@ -54,7 +54,7 @@ pub enum ScenarioError {
 pub type Result<T, E = ScenarioError> = std::result::Result<T, E>;
 
 /// Keys that stand between backticks in messages.
-const KEYS: [&str; 31] = [
+const KEYS: [&str; 32] = [
     "allow_overlap",
     "balance",
     "box",
@@ -83,6 +83,7 @@ const KEYS: [&str; 31] = [
     "regions",
     "room",
     "round",
+    "seed",
     "speed",
     "start",
     "time_step",

@@ -94,7 +94,7 @@ impl Scenario {
         config.desired_speed =
             self.speed.map(Spread::Same).or(config.desired_speed).or(Some(Spread::Same(DEFAULT_SPEED)));
         let plan = place.drawn.as_ref().map(|Read { plan, .. }| plan);
-        if config.waypoints.is_none() {
+        if config.waypoints.is_none() && config.ways.is_none() {
             config.waypoints = plan.and_then(|plan| way(plan, notes));
         }
         let given = config.exits.take().unwrap_or_default();

@@ -204,7 +204,7 @@ impl Scenario {
         match &mut self.people {
             People::Custom { file } => change(file),
             People::Tables { male, female } => male.iter_mut().chain(female).for_each(change),
-            People::Survey | People::Statistics { .. } | People::Fixed { .. } => {}
+            People::Survey {} | People::Statistics { .. } | People::Fixed { .. } => {}
         }
     }
 
@@ -215,7 +215,13 @@ impl Scenario {
     pub fn with(&self, key: &str, value: &str) -> Result<Scenario> {
         let number = || value.parse::<f64>().ok().filter(|number| number.is_finite()).map(toml::Value::Float);
         let text = || toml::Value::String(value.to_owned());
-        let value = value.parse::<toml::Value>().ok().or_else(number).unwrap_or_else(text);
+        let value = match value.parse::<toml::Value>().ok().or_else(number).unwrap_or_else(text) {
+            // A range of a sweep has 2.0 for 2.
+            toml::Value::Float(number) if number.fract() == 0.0 && number.abs() < 1e15 => {
+                toml::Value::Integer(number as i64)
+            }
+            value => value,
+        };
         let mut table =
             toml::Table::try_from(self).map_err(|error| ScenarioError::Impossible(error.to_string()))?;
         let (tables, last) = key.rsplit_once('.').map_or((None, key), |(tables, last)| (Some(tables), last));
@@ -314,6 +320,10 @@ impl Scenario {
         })?;
         require(!far, || format!("`room`, `regions`: corners must be from -{FARTHEST:e} to {FARTHEST:e} m"))?;
         self.pushes.iter().try_for_each(Push::check)?;
+        // TOML holds no larger ones.
+        require(i64::try_from(self.seed).is_ok(), || {
+            format!("`seed` = {}: must be at most {}", self.seed, i64::MAX)
+        })?;
         self.people.check()?;
         self.check_leaving()?;
         let shares = forms::shares(&self.mix)?;

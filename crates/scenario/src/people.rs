@@ -18,12 +18,11 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 /// Whom people are drawn from.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum People {
     /// The statistics of the survey ANSUR II.
-    #[default]
-    Survey,
+    Survey {},
     /// One's own statistics, with the rank correlations of that survey.
     Statistics {
         /// Men.
@@ -54,6 +53,7 @@ pub enum People {
 
 /// The distribution of each measure: mean, standard deviation, smallest, largest value \[m, kg\].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 #[allow(missing_docs)] // as said
 pub struct Four {
@@ -68,6 +68,12 @@ impl Four {
         let Four { breadth, depth, stature, mass } = self;
         let measures = [breadth, depth, stature, mass].map(TruncatedNormal::from);
         CustomMeasures { measures, ..CustomMeasures::paper(sex) }
+    }
+}
+
+impl Default for People {
+    fn default() -> People {
+        People::Survey {}
     }
 }
 
@@ -111,7 +117,7 @@ impl Scenario {
         let named = || format!("`people.file` {custom}");
         let (mut from, own) = ("`mix`".to_owned(), !mix.is_empty());
         let source = match &self.people {
-            People::Survey => Source::ansur()?,
+            People::Survey {} => Source::ansur()?,
             People::Statistics { male, female } => {
                 Source::custom(&[male.of(Sex::Male), female.of(Sex::Female)])?
             }

@@ -9,9 +9,11 @@ use serde::{Deserialize, Serialize};
 
 /// A pulse on all whose centres lie in a circle at the start.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Push {
     /// \[m\] Middle of the circle.
+    #[cfg_attr(feature = "typescript", ts(as = "[f64; 2]"))]
     pub at: Pair,
     /// \[m\]
     pub radius: f64,

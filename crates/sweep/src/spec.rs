@@ -323,7 +323,9 @@ mod tests {
             let error = read(&text(&wrong)).unwrap_err();
             assert!(error.contains("population.mix.wheelchair = 95"), "{error}");
             assert!(
-                error.ends_with("`mix`: the others have 105 together: nothing of 100 is left for the \"rest\""),
+                error.ends_with(
+                    "`mix`: the others have 105 together: nothing of 100 is left for the \"rest\""
+                ),
                 "{error}"
             );
         }

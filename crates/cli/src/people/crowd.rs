@@ -249,7 +249,7 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
         }
     }
     let Arguments { trial, others, .. } = &arguments;
-    if beside(&scenario).contains(&DECISION_FILE)
+    if arguments.leaving.is_wanted()
         && trial.output.is_none()
         && trial.zip.is_none()
         && arguments.scenario.save_scenario.is_none()

@@ -81,6 +81,11 @@ fn exit(text: &str) -> Result<[Vec2; 2], String> {
 }
 
 impl LeaveArguments {
+    /// Returns whether an option asks for a decision.toml.
+    pub fn is_wanted(&self) -> bool {
+        self.leave || self.balance.is_some()
+    }
+
     /// Fills in what is given.
     pub fn fill(&self, scenario: &mut Scenario) {
         scenario.leave |= self.leave;

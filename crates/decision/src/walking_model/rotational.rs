@@ -26,6 +26,7 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Constants of the model. T and the standstill gap of a single person may be others.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields, default)]
 pub struct Rotational {
     /// \[s\] Time gap T to who is ahead.

@@ -6,6 +6,8 @@ mod leaving;
 mod people;
 mod runs;
 mod same_bits;
+#[cfg(feature = "typescript")]
+mod types;
 
 use lemons_lab::boundary::answer;
 use lemons_lab::frame::COLUMNS;

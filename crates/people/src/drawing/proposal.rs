@@ -34,6 +34,7 @@ const FRAME: f64 = 1.0;
 
 /// How walls enclose a room.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Enclosing {
     /// Layers whose closed lines are obstacles.
