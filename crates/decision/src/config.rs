@@ -23,7 +23,7 @@ use crate::rule::{Motivation, UNLIMITED, Waypoint};
 use crate::spread::Spread;
 use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModel};
 use lemons_core::files::words;
-use lemons_core::trial::times_from;
+use lemons_core::trial::OpeningTimes;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
@@ -193,30 +193,21 @@ pub struct TargetConfig {
     pub polygon: Option<Vec<[f64; 2]>>,
     /// Part of the people who take it, instead of the nearest.
     pub share: Option<f64>,
-    /// \[s\] Times from which to which people can leave by it.
-    #[serde(default, deserialize_with = "times")]
-    pub open: Option<Vec<[f64; 2]>>,
+    /// When people can leave by it; `None`: always.
+    pub open: Option<OpeningTimes>,
     /// Factor of the expected time.
     pub time_factor: Option<f64>,
 }
 
 /// Arrays of TOML that are too long would be cut.
-fn pairs<'de, D: Deserializer<'de>>(from: D, what: &str) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
-    // The lab says null where there is none.
-    let Some(pairs) = Option::<Vec<Vec<f64>>>::deserialize(from)? else { return Ok(None) };
-    let pair = |numbers: Vec<f64>| {
-        let count = numbers.len();
-        numbers.try_into().map_err(|_| D::Error::custom(format!("{what}, not {count}")))
-    };
-    pairs.into_iter().map(pair).collect::<Result<_, _>>().map(Some)
-}
-
 fn corners<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
-    pairs(from, "a point has 2 numbers [x, y]")
-}
-
-fn times<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
-    pairs(from, "a time of being open has 2 numbers [from, to]")
+    // The lab says null where there is none.
+    let Some(points) = Option::<Vec<Vec<f64>>>::deserialize(from)? else { return Ok(None) };
+    let point = |numbers: Vec<f64>| {
+        let count = numbers.len();
+        numbers.try_into().map_err(|_| D::Error::custom(format!("a point has 2 numbers [x, y], not {count}")))
+    };
+    points.into_iter().map(point).collect::<Result<_, _>>().map(Some)
 }
 
 fn ends<'de, D: Deserializer<'de>>(from: D) -> Result<Option<[[f64; 2]; 2]>, D::Error> {
@@ -272,7 +263,7 @@ impl DecisionConfig {
     pub fn going_on(&self, plan: &Plan, time: f64) -> DecisionConfig {
         let mut later = self.clone();
         for open in later.exits.iter_mut().flatten().filter_map(|exit| exit.open.as_mut()) {
-            *open = times_from(open, time, plan.time_step);
+            *open = open.since(time, plan.time_step);
         }
         let begun: Vec<Motivation> = self.motivation.iter().filter(|of| of.time <= time).cloned().collect();
         later.motivation.retain(|motivation| motivation.time > time);
@@ -305,41 +296,6 @@ impl DecisionConfig {
             }
         }
         later
-    }
-
-    /// Makes settings in which everybody leaves by lines \[m\] with names and the times \[s\] at which they are open (none:
-    /// always), at one speed \[m/s\]; of several, people choose by the expected time.
-    pub fn leaving(
-        model: WalkingModelName,
-        speed: f64,
-        exits: impl IntoIterator<Item = (String, [[f64; 2]; 2], Vec<[f64; 2]>)>,
-    ) -> DecisionConfig {
-        let exit = |(name, line, open): (String, [[f64; 2]; 2], Vec<[f64; 2]>)| {
-            let open = (!open.is_empty()).then_some(open);
-            TargetConfig { name: Some(name), line: Some(line), open, ..TargetConfig::default() }
-        };
-        let exits: Vec<TargetConfig> = exits.into_iter().map(exit).collect();
-        DecisionConfig {
-            model: Some(model),
-            desired_speed: Some(Spread::Same(speed)),
-            exit_choice: (exits.len() > 1).then_some(ExitChoice::Time),
-            exits: Some(exits),
-            ..DecisionConfig::default()
-        }
-    }
-
-    /// Returns the same with a time \[s\] at which each starts to walk, and with a part of the people in groups; the seed
-    /// chooses both.
-    #[must_use]
-    pub fn with_starts_and_groups(
-        self,
-        start: Option<Spread>,
-        groups: Option<f64>,
-        seed: u64,
-    ) -> DecisionConfig {
-        let seed = (start.is_some() || groups.is_some()).then_some(seed).or(self.seed);
-        let groups = groups.map(|share| GroupsConfig { share: Some(share), ..GroupsConfig::default() });
-        DecisionConfig { start: start.or(self.start), groups: groups.or(self.groups), seed, ..self }
     }
 
     /// Makes settings in which nobody goes anywhere, with legs of a model.

@@ -31,8 +31,8 @@ pub fn of(run: &Run) -> Value {
     let wall = |wall: &Wall| {
         let corners: Vec<[f64; 2]> = wall.corners.iter().copied().map(Into::into).collect();
         let mut value = json!({ "id": wall.id, "corners": corners });
-        if !wall.open.is_empty() {
-            value["open"] = json!(wall.open);
+        if let Some(open) = &wall.open {
+            value["open"] = json!(open);
         }
         value
     };
