@@ -203,19 +203,14 @@ pub struct TargetConfig {
 fn corners<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
     // The lab says null where there is none.
     let Some(points) = Option::<Vec<Vec<f64>>>::deserialize(from)? else { return Ok(None) };
-    let point = |numbers: Vec<f64>| {
-        let count = numbers.len();
-        numbers.try_into().map_err(|_| D::Error::custom(format!("a point has 2 numbers [x, y], not {count}")))
-    };
-    points.into_iter().map(point).collect::<Result<_, _>>().map(Some)
+    let wrong = |of: Vec<f64>| D::Error::custom(format!("a point has 2 numbers [x, y], not {}", of.len()));
+    points.into_iter().map(|point| point.try_into().map_err(wrong)).collect::<Result<_, _>>().map(Some)
 }
 
 fn ends<'de, D: Deserializer<'de>>(from: D) -> Result<Option<[[f64; 2]; 2]>, D::Error> {
     let Some(points) = corners(from)? else { return Ok(None) };
-    let count = points.len();
-    let line =
-        points.try_into().map_err(|_| D::Error::custom(format!("a line has 2 points, not {count}")))?;
-    Ok(Some(line))
+    let wrong = |of: Vec<_>| D::Error::custom(format!("a line has 2 points, not {}", of.len()));
+    points.try_into().map(Some).map_err(wrong)
 }
 
 impl DecisionConfig {

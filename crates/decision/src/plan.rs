@@ -119,10 +119,8 @@ impl Plan {
     /// Those of [`Plan::among`].
     pub fn of(trial: &Trial, config: &DecisionConfig) -> Result<Plan, PlanError> {
         let walls = trial.geometry.fixed_walls().map(|wall| &wall.corners[..]);
-        let door = |wall: &Wall| {
-            let corners = wall.corners.iter().map(|at| [at.x, at.y]).collect();
-            Some(Door { corners, open: wall.open.clone()? })
-        };
+        let corners = |wall: &Wall| wall.corners.iter().map(|at| [at.x, at.y]).collect();
+        let door = |wall: &Wall| Some(Door { corners: corners(wall), open: wall.open.clone()? });
         let doors = trial.geometry.walls.iter().filter_map(door).collect();
         Plan::made(walls, doors, &Person::all_of(trial), config, trial.parameters.time_step)
     }

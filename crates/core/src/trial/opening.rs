@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 const LATEST: f64 = 1e9;
 /// Largest number of pairs.
 const MOST: usize = 1000;
-/// \[s\] What does not open any more is as if it opened when no run is left.
+/// \[s\] For what does not open any more: no run lasts so long.
 const NEVER: [f64; 2] = [LATEST - 1.0, LATEST];
 
 /// Times \[s\] from and to which something is open: at least one pair, as [`OpeningTimes::RULE`] says. What has none is an
@@ -70,8 +70,7 @@ impl OpeningTimes {
         begun > 0 && time < self.0[begun - 1][1]
     }
 
-    /// Returns the first pair that is shorter than a step \[s\] by more than a rounding error: between two steps, it may
-    /// never be open.
+    /// Returns the first pair that is shorter than a step \[s\], in which it may never be open, but for rounding errors.
     pub fn shorter_than(&self, step: f64) -> Option<[f64; 2]> {
         self.0.iter().copied().find(|[from, to]| to - from < step - 1e-9)
     }
