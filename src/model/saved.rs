@@ -145,7 +145,7 @@ fn check_running(world: &World, trial: &Trial, running: &Running) -> Answer<()> 
             .present_walls
             .iter()
             .zip(&trial.geometry.walls)
-            .all(|(there, wall)| *there || !wall.open.is_empty())
+            .all(|(there, wall)| *there || wall.open.is_some())
         && running.exposures.len() == bodies
         && running.face_exposures.len() == faces
         && state.disk_springs.iter().all(|s| s.first.index() < disks && s.second.index() < disks)

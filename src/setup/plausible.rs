@@ -52,8 +52,7 @@ impl Setup<'_> {
     /// Walls open and close at communication points only.
     fn doubts_of_openings(&self) -> Option<String> {
         let step = self.parameters.time_step;
-        // A rounding error is not too short.
-        let short = |wall: &Wall| wall.open.iter().find(|[from, to]| to - from < step - 1e-9).copied();
+        let short = |wall: &Wall| wall.open.as_ref()?.shorter_than(step);
         let mut all = self.geometry.walls.iter().filter_map(|wall| Some((wall, short(wall)?)));
         let (wall, [from, to]) = all.next()?;
         let (id, others) = (quoted(&wall.id), in_all(1 + all.count(), "walls"));

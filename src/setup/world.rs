@@ -8,7 +8,7 @@ use crate::engine::{
 use lemons_core::plane::{InPlane, Motion, Pose, Twist};
 use lemons_core::trial::{
     Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, Shape, Wall,
-    WallInteraction, is_open, pairs_that_touch, quoted, stiffness,
+    WallInteraction, pairs_that_touch, quoted, stiffness,
 };
 use std::collections::{HashMap, HashSet};
 use thiserror::Error;
@@ -196,11 +196,11 @@ impl Setup<'_> {
     /// # Errors
     /// Too many agents are at one place.
     pub fn open_and_close(&self, time: f64, world: &mut World) -> Result<(), WorldError> {
-        if self.geometry.walls.iter().all(|wall| wall.open.is_empty()) {
+        if self.geometry.walls.iter().all(|wall| wall.open.is_none()) {
             return Ok(());
         }
         let is_there = |(w, wall): (usize, &Wall)| {
-            !is_open(&wall.open, time) && (world.present_walls()[w] || world.is_free(WallId::from(w), 1.0))
+            !wall.is_open(time) && (world.present_walls()[w] || world.is_free(WallId::from(w), 1.0))
         };
         let present: Vec<bool> = self.geometry.walls.iter().enumerate().map(is_there).collect();
         if present == world.present_walls() {
@@ -213,7 +213,7 @@ impl Setup<'_> {
     /// deeper than who leans on it.
     pub fn walls_at(&self, time: f64, world: &World) -> Vec<bool> {
         let is_there = |(w, wall): (usize, &Wall)| {
-            wall.open.is_empty() || !is_open(&wall.open, time) && world.is_free(WallId::from(w), DEEP)
+            wall.open.is_none() || !wall.is_open(time) && world.is_free(WallId::from(w), DEEP)
         };
         self.geometry.walls.iter().enumerate().map(is_there).collect()
     }

@@ -264,7 +264,7 @@ impl Arguments {
         file.persist()?;
         let (walls, exits) = (room.walls.len(), room.exits.len());
         let left = if format == drawing::Format::Wkt && exits > 0 { "; exits are not in it" } else { "" };
-        let opens = trial.geometry.walls.iter().any(|wall| !wall.open.is_empty());
+        let opens = trial.geometry.walls.iter().any(|wall| wall.open.is_some());
         let opens = if opens { "; walls that open are as closed ones in it" } else { "" };
         Ok(say!("{}: {walls} walls, {exits} exits{left}{opens}", out.display())?)
     }

@@ -564,7 +564,7 @@ const UNEVEN: (f64, f64) = (1.5, 10.0);
 /// A note for the end of a run in which the last person left by one exit much later than by another, or nobody by that.
 fn uneven_queues(plan: &Plan, crowd: &CrowdRecorder) -> Option<String> {
     // Those that are closed at times are used unevenly.
-    if plan.targets.iter().any(|exit| !exit.open.is_empty()) {
+    if plan.targets.iter().any(|exit| exit.open.is_some()) {
         return None;
     }
     // \[s\] With the names; 0 where nobody has left.

@@ -25,7 +25,7 @@ pub use dynamics::{AgentDynamics, DynamicsElement, dynamics_xml};
 pub use geometry::{Geometry, Wall};
 pub use interactions::{AgentInteraction, ContactForce, Interactions, WallInteraction, interactions_xml};
 pub use materials::{Contact, Material, Materials, pairs_that_touch, stiffness};
-pub use opening::{LATEST, MOST_TIMES, TIMES, are_times, is_open, times_from};
+pub use opening::OpeningTimes;
 pub use parameters::Parameters;
 pub use problem::Problems;
 pub use pulse::{Pulse, drive_of_pulses};

@@ -23,7 +23,7 @@ use crate::rule::{Motivation, UNLIMITED, Waypoint};
 use crate::spread::Spread;
 use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModel};
 use lemons_core::files::words;
-use lemons_core::trial::times_from;
+use lemons_core::trial::OpeningTimes;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
@@ -195,38 +195,24 @@ pub struct TargetConfig {
     pub polygon: Option<Vec<[f64; 2]>>,
     /// Part of the people who take it, instead of the nearest.
     pub share: Option<f64>,
-    /// \[s\] Times from which to which people can leave by it.
-    #[serde(default, deserialize_with = "times")]
-    pub open: Option<Vec<[f64; 2]>>,
+    /// When people can leave by it; `None`: always.
+    pub open: Option<OpeningTimes>,
     /// Factor of the expected time.
     pub time_factor: Option<f64>,
 }
 
 /// Arrays of TOML that are too long would be cut.
-fn pairs<'de, D: Deserializer<'de>>(from: D, what: &str) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
-    // The lab says null where there is none.
-    let Some(pairs) = Option::<Vec<Vec<f64>>>::deserialize(from)? else { return Ok(None) };
-    let pair = |numbers: Vec<f64>| {
-        let count = numbers.len();
-        numbers.try_into().map_err(|_| D::Error::custom(format!("{what}, not {count}")))
-    };
-    pairs.into_iter().map(pair).collect::<Result<_, _>>().map(Some)
-}
-
 fn corners<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
-    pairs(from, "a point has 2 numbers [x, y]")
-}
-
-fn times<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
-    pairs(from, "a time of being open has 2 numbers [from, to]")
+    // The lab says null where there is none.
+    let Some(points) = Option::<Vec<Vec<f64>>>::deserialize(from)? else { return Ok(None) };
+    let wrong = |of: Vec<f64>| D::Error::custom(format!("a point has 2 numbers [x, y], not {}", of.len()));
+    points.into_iter().map(|point| point.try_into().map_err(wrong)).collect::<Result<_, _>>().map(Some)
 }
 
 fn ends<'de, D: Deserializer<'de>>(from: D) -> Result<Option<[[f64; 2]; 2]>, D::Error> {
     let Some(points) = corners(from)? else { return Ok(None) };
-    let count = points.len();
-    let line =
-        points.try_into().map_err(|_| D::Error::custom(format!("a line has 2 points, not {count}")))?;
-    Ok(Some(line))
+    let wrong = |of: Vec<_>| D::Error::custom(format!("a line has 2 points, not {}", of.len()));
+    points.try_into().map(Some).map_err(wrong)
 }
 
 impl DecisionConfig {
@@ -274,7 +260,7 @@ impl DecisionConfig {
     pub fn going_on(&self, plan: &Plan, time: f64) -> DecisionConfig {
         let mut later = self.clone();
         for open in later.exits.iter_mut().flatten().filter_map(|exit| exit.open.as_mut()) {
-            *open = times_from(open, time, plan.time_step);
+            *open = open.since(time, plan.time_step);
         }
         let begun: Vec<Motivation> = self.motivation.iter().filter(|of| of.time <= time).cloned().collect();
         later.motivation.retain(|motivation| motivation.time > time);

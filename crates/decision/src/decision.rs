@@ -2,10 +2,10 @@
 
 use crate::balance::{Legs, Motion};
 use crate::exit_choice::Choice;
-use crate::plan::{Door, Plan};
+use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
 use crate::stuck::{StuckAction, StuckState, normal, share};
-use crate::target::{Arrival, Destination, Target, Ways};
+use crate::target::{Arrival, Destination, Ways};
 use crate::walking_model::{DesiredMotion, Walking, WalkingModel};
 use lemons_core::files::input;
 use lemons_core::plane::{Vec2, vec2};
@@ -267,9 +267,7 @@ impl Decision {
         let before = self.time;
         self.time += step;
         self.motivate_since(before);
-        let opens = |exit: &Target| exit.is_open(before) != exit.is_open(self.time);
-        let turns = |door: &Door| door.is_closed(before) != door.is_closed(self.time);
-        goes_on |= self.plan.targets.iter().any(opens) || self.plan.doors.iter().any(turns);
+        goes_on |= self.plan.opens_or_closes(before, self.time);
         if goes_on || self.agents.iter().any(|agent| is_due(agent.walker.start, before, self.time)) {
             (self.wanted, self.aims) = (None, None);
         }

@@ -3,7 +3,7 @@
 use crate::rule::Pose;
 use crate::target::share_before_closed;
 use lemons_core::plane::{Vec2, body_meets, nearest_on_segment, rotation, vec2};
-use lemons_core::trial::is_open;
+use lemons_core::trial::OpeningTimes;
 use serde::{Deserialize, Serialize};
 
 /// \[m\] Who is so far in a door that closes walks on at the desired speed.
@@ -17,13 +17,13 @@ const OUT_OF_IT: f64 = 0.1;
 pub struct Door {
     /// \[m\] (x, y)
     pub corners: Vec<[f64; 2]>,
-    /// \[s\] From and to which times there is no wall.
-    pub open: Vec<[f64; 2]>,
+    /// When there is no wall.
+    pub open: OpeningTimes,
 }
 
 impl Door {
     pub(crate) fn is_closed(&self, time: f64) -> bool {
-        !is_open(&self.open, time)
+        !self.open.is_open(time)
     }
 
     pub(crate) fn sides(&self) -> impl Iterator<Item = [Vec2; 2]> {

@@ -1,7 +1,7 @@
 //! What is wrong with settings or a plan.
 
 use lemons_core::plane::Vec2;
-use lemons_core::trial::{FARTHEST, MOST_TIMES, TIMES};
+use lemons_core::trial::FARTHEST;
 use thiserror::Error;
 
 /// Each needs a field of distances in memory.
@@ -52,14 +52,10 @@ pub enum PlanError {
         "exits[{0}]: time_factor: has an effect only with `exit_choice = \"time\"`: say so, or leave it out"
     )]
     NotByTime(usize),
-    #[error("{place}: open = {value}: must be {TIMES}")]
-    Open { place: String, value: String },
     #[error(
         "{place}: open = {value}: must not be shorter than the time step of {step} s: it may never be open"
     )]
     ShortOpen { place: String, value: String, step: String },
-    #[error("{place}: open: {count} pairs; at most {MOST_TIMES} are allowed")]
-    TooManyTimes { place: String, count: usize },
     #[error("{place}: open: only exits have it: nobody leaves by a goal")]
     OpenGoal { place: String },
     #[error("ways: give `ways` or `waypoints` for everybody, one of the two")]

@@ -18,6 +18,7 @@
 //! gain is clear.
 
 use crate::stuck::share;
+use lemons_core::trial::OpeningTimes;
 use serde::{Deserialize, Serialize};
 
 /// \[1/(m s)\] Specific flow J of a crowd through a door (Kretz et al. 2006, Seyfried et al. 2009: 1.6 to 1.9).
@@ -70,13 +71,11 @@ impl Choice {
 }
 
 /// Returns after how many seconds somebody is through an exit who is there after `arrival` \[s\], and before whom people
-/// leave for `service` \[s\], if it is `open` from and to these times \[s\] and it is `now` \[s\]. Infinite if it closes
-/// before, for ever.
-pub fn passed(open: &[[f64; 2]], now: f64, arrival: f64, mut service: f64) -> f64 {
-    if open.is_empty() {
-        return arrival.max(service);
-    }
-    for &[from, to] in open {
+/// leave for `service` \[s\], if it is `open` then, or always, and it is `now` \[s\]. Infinite if it closes before, for
+/// ever.
+pub fn passed(open: Option<&OpeningTimes>, now: f64, arrival: f64, mut service: f64) -> f64 {
+    let Some(open) = open else { return arrival.max(service) };
+    for &[from, to] in open.pairs() {
         let (from, to) = ((from - now).max(0.0), to - now);
         let through = (from + service).max(arrival);
         if through < to {
@@ -97,9 +96,9 @@ pub struct Offer<'a> {
     /// \[m\] Width of the way to it.
     pub width: f64,
     /// See [`crate::target::Target`].
-    pub open: &'a [[f64; 2]],
-    /// Doors on the way, in its order: when each is open \[s\], and how far it is from there \[m\].
-    pub doors: &'a [(&'a [[f64; 2]], f64)],
+    pub open: Option<&'a OpeningTimes>,
+    /// Doors on the way, in its order: when each is open, and how far it is from there \[m\].
+    pub doors: &'a [(&'a OpeningTimes, f64)],
     /// See [`crate::target::Target`].
     pub time_factor: f64,
 }
@@ -112,7 +111,7 @@ impl Offer<'_> {
         let on_foot = |way: f64| if way > 0.0 { way / speed } else { 0.0 };
         let (mut at, mut left) = (0.0, self.distance);
         for &(open, far) in self.doors {
-            at = passed(open, now, at + on_foot(left - far), service);
+            at = passed(Some(open), now, at + on_foot(left - far), service);
             left = left.min(far);
         }
         passed(self.open, now, at + on_foot(left), service)
@@ -171,6 +170,10 @@ impl Queues {
 mod tests {
     use super::*;
 
+    fn times(numbers: &[f64]) -> OpeningTimes {
+        OpeningTimes::of_numbers(numbers).unwrap()
+    }
+
     /// The outside: the rule by hand. 32 people are ahead at a door of 1 m: 20 s; it is 13.4 m to the other one: 10 s.
     #[test]
     fn who_gains_enough_changes_and_the_next_one_sees_it() {
@@ -178,7 +181,7 @@ mod tests {
             target,
             distance,
             width,
-            open: &[],
+            open: None,
             doors: &[],
             time_factor: 1.0,
         };
@@ -205,20 +208,21 @@ mod tests {
     /// The outside: sums by hand. It is 7 s; the exit is open from 10 s to 15 s and from 30 s to 40 s.
     #[test]
     fn a_queue_gets_shorter_while_the_exit_is_open() {
-        let open = [[10.0, 15.0], [30.0, 40.0]];
-        let through = |arrival, service| passed(&open, 7.0, arrival, service);
+        let open = times(&[10.0, 15.0, 30.0, 40.0]);
+        let open = Some(&open);
+        let through = |arrival, service| passed(open, 7.0, arrival, service);
         // There before it opens; with a queue of 2 s; there later than the queue needs.
         assert_eq!([through(1.0, 0.0), through(1.0, 2.0), through(6.0, 2.0)], [3.0, 5.0, 6.0]);
         // Closed again at 8 s; of a queue of 7 s, 5 s are left over until 23 s; of 15 s nobody knows when.
         assert_eq!([through(9.0, 0.0), through(1.0, 7.0), through(1.0, 15.0)], [23.0, 25.0, f64::INFINITY]);
-        assert_eq!([passed(&open, 12.0, 1.0, 0.5), passed(&open, 50.0, 0.0, 0.0)], [1.0, f64::INFINITY]);
-        assert_eq!(passed(&[], 3.0, 1.0, 2.0), 2.0);
+        assert_eq!([passed(open, 12.0, 1.0, 0.5), passed(open, 50.0, 0.0, 0.0)], [1.0, f64::INFINITY]);
+        assert_eq!(passed(None, 3.0, 1.0, 2.0), 2.0);
     }
 
     /// The outside: by hand. 10 s on foot against an exit of 13.4 s that is preferred, and one that opens in 4 s.
     #[test]
     fn who_prefers_an_exit_or_waits_for_one_counts_it() {
-        let own = Offer { target: 0, distance: 13.4, width: 1.0, open: &[], doors: &[], time_factor: 1.0 };
+        let own = Offer { target: 0, distance: 13.4, width: 1.0, open: None, doors: &[], time_factor: 1.0 };
         let change = |speed_of_other: f64, other: Offer<'_>| {
             let other = Offer { target: 1, distance: 1.34 * speed_of_other, ..other };
             Queues::new(2, [(0, 13.4)].into_iter()).change(0, 1.34, 6.0, &[own, other])
@@ -228,11 +232,13 @@ mod tests {
             (change(13.0, own), change(13.0, preferred), change(17.0, preferred)),
             (None, Some(1), None)
         );
-        let opens = |at: f64| change(1.0, Offer { open: &[[at, 100.0]], ..own });
+        let opens = |at: f64| change(1.0, Offer { open: Some(&times(&[at, 100.0])), ..own });
         assert_eq!((opens(12.0), opens(14.5), opens(5.0)), (Some(1), None, Some(1)));
         // A door 0.67 m before it, which shuts 1 s from now, or after 0.3 s; the exit lets out for longer.
-        let shuts =
-            |at: f64| change(1.0, Offer { open: &[[0.0, 60.0]], doors: &[(&[[0.0, at]], 0.67)], ..own });
+        let shuts = |at: f64| {
+            let (open, door) = (times(&[0.0, 60.0]), times(&[0.0, at]));
+            change(1.0, Offer { open: Some(&open), doors: &[(&door, 0.67)], ..own })
+        };
         assert_eq!((shuts(7.0), shuts(6.3)), (Some(1), None));
     }
 
@@ -244,8 +250,8 @@ mod tests {
                 target: 0,
                 distance: 9.0,
                 width: 1.0,
-                open: &[exit],
-                doors: &[(&[first], 6.0), (&[second], 2.0)],
+                open: Some(&times(&exit)),
+                doors: &[(&times(&first), 6.0), (&times(&second), 2.0)],
                 time_factor: 1.0,
             };
             offer.time(1.0, 10.0, service)
@@ -259,7 +265,7 @@ mod tests {
         assert_eq!(time([40.0, 70.0], always, [0.0, 45.9], 0.0), f64::INFINITY);
         // Behind a queue of 5 s before the first; nobody who stands gets anywhere.
         assert_eq!(time([40.0, 70.0], always, always, 5.0), 41.0);
-        let own = Offer { target: 0, distance: 9.0, width: 1.0, open: &[], doors: &[], time_factor: 1.0 };
+        let own = Offer { target: 0, distance: 9.0, width: 1.0, open: None, doors: &[], time_factor: 1.0 };
         assert_eq!(
             (own.time(0.0, 0.0, 0.0), Offer { distance: 0.0, ..own }.time(0.0, 0.0, 0.0)),
             (f64::INFINITY, 0.0)

@@ -124,9 +124,9 @@ impl Plan {
     /// Those of [`Plan::among`].
     pub fn of(trial: &Trial, config: &DecisionConfig) -> Result<Plan, PlanError> {
         let walls = trial.geometry.fixed_walls().map(|wall| &wall.corners[..]);
-        let doors = trial.geometry.walls.iter().filter(|wall| !wall.open.is_empty());
         let corners = |wall: &Wall| wall.corners.iter().map(|at| [at.x, at.y]).collect();
-        let doors = doors.map(|wall| Door { corners: corners(wall), open: wall.open.clone() }).collect();
+        let door = |wall: &Wall| Some(Door { corners: corners(wall), open: wall.open.clone()? });
+        let doors = trial.geometry.walls.iter().filter_map(door).collect();
         Plan::made(walls, doors, &Person::all_of(trial), config, trial.parameters.time_step)
     }
 
@@ -270,7 +270,13 @@ impl Plan {
         let exits = self.targets.iter().filter(|target| !target.stay).count();
         !self.groups.is_empty()
             || exits > 1 && !self.doors.is_empty()
-            || self.targets.iter().any(|target| !target.open.is_empty())
+            || self.targets.iter().any(|target| target.open.is_some())
+    }
+
+    /// Returns whether an exit or a door opens or closes between two times \[s\].
+    pub(crate) fn opens_or_closes(&self, before: f64, now: f64) -> bool {
+        self.targets.iter().any(|exit| exit.is_open(before) != exit.is_open(now))
+            || self.doors.iter().any(|door| door.is_closed(before) != door.is_closed(now))
     }
 
     /// Returns whether they leave in the end, of everybody.

@@ -3,7 +3,7 @@
 use crate::error::PlanError;
 use crate::field::{Doors, Field, Gates, Grid, LAST};
 use lemons_core::plane::{InPlane, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
-use lemons_core::trial::is_open;
+use lemons_core::trial::OpeningTimes;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
@@ -37,9 +37,10 @@ pub struct Target {
     pub stay: bool,
     /// \[m\] The corners (x, y): two of a line, more of an area.
     pub corners: Vec<[f64; 2]>,
-    /// \[s\] Times from which to which people can leave by it, in order; always if there are none.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub open: Vec<[f64; 2]>,
+    /// When people can leave by it; `None`: always.
+    #[cfg_attr(feature = "typescript", ts(as = "Option<Vec<[f64; 2]>>", optional))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub open: Option<OpeningTimes>,
     /// Factor of the expected time by it, for those who choose an exit by time.
     #[serde(default = "unchanged", skip_serializing_if = "is_unchanged")]
     pub time_factor: f64,
@@ -74,7 +75,7 @@ impl Target {
 
     /// Returns whether people can leave by it at a time \[s\].
     pub fn is_open(&self, time: f64) -> bool {
-        self.open.is_empty() || is_open(&self.open, time)
+        self.open.as_ref().is_none_or(|open| open.is_open(time))
     }
 
     fn points(&self) -> Vec<Vec2> {
@@ -402,8 +403,8 @@ mod tests {
     /// Everybody within its bounds had left at the start.
     #[test]
     fn who_stands_beside_a_slanted_exit_has_not_left() {
-        let (open, corners) = (Vec::new(), vec![[0.0, 0.0], [4.0, 4.0]]);
-        let exit = Target { name: "exit".into(), stay: false, corners, open, time_factor: 1.0 };
+        let corners = vec![[0.0, 0.0], [4.0, 4.0]];
+        let exit = Target { name: "exit".into(), stay: false, corners, open: None, time_factor: 1.0 };
         let (beside, on) = (vec2(3.0, 1.0), vec2(2.0, 2.0));
         let people = [beside, on].map(|at| (at, Destination::NearestExit));
         let ways = Ways::new(&[], &[exit], people.into_iter()).unwrap();
@@ -417,7 +418,7 @@ mod tests {
         let wall = vec![vec2(10.0, 0.0), vec2(10.0, 8.0)];
         let left = |depth: f64, body: f64, at: Vec2| {
             let corners = vec![[10.0 - depth, 2.0], [10.0, 2.0], [10.0, 6.0], [10.0 - depth, 6.0]];
-            let exit = Target { name: "a".into(), stay: false, corners, open: Vec::new(), time_factor: 1.0 };
+            let exit = Target { name: "a".into(), stay: false, corners, open: None, time_factor: 1.0 };
             let people = std::iter::once((at, Destination::NearestExit));
             let ways = Ways::new(std::slice::from_ref(&wall), &[exit], people).unwrap();
             ways.arrived(Destination::NearestExit, at, at, body, |_| true).is_some()

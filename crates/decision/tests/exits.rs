@@ -1,6 +1,7 @@
 //! Exits, goals and models, without FMUs: bodies that go exactly where they want to go.
 
 use lemons_core::plane::{Vec2, segments_cross, vec2};
+use lemons_core::trial::OpeningTimes;
 use lemons_decision::decision::Act;
 use lemons_decision::plan::Door;
 use lemons_decision::rule::Pose;
@@ -222,6 +223,10 @@ fn who_waits_for_a_closed_exit_or_to_start_does_not_want_to_get_on() {
 }
 
 /// Of the desired speed, that which everybody walks with.
+fn times(numbers: &[f64]) -> OpeningTimes {
+    OpeningTimes::of_numbers(numbers).unwrap()
+}
+
 fn speeds(decision: &mut Decision) -> Vec<f64> {
     let drive = |act: &Act| vec2(act.drive.force[0], act.drive.force[1]).norm() / (80.0 * 2.0 * 1.34);
     decision.acts().unwrap().iter().map(drive).collect()
@@ -235,7 +240,7 @@ fn who_is_in_a_door_that_closes_walks_on() {
     for agent in &mut plan.agents {
         agent.disks = people[0].disks.clone();
     }
-    plan.doors = vec![Door { corners: vec![[6.0, 1.5], [6.0, 2.5]], open: vec![[0.0, 0.1], [0.2, 0.3]] }];
+    plan.doors = vec![Door { corners: vec![[6.0, 1.5], [6.0, 2.5]], open: times(&[0.0, 0.1, 0.2, 0.3]) }];
     let mut decision = Decision::new(plan);
     let mut seen = Vec::new();
     for _ in 0..5 {
@@ -251,7 +256,7 @@ fn who_is_in_a_door_that_closes_walks_on() {
 /// With way-points, too: as far as the next one, and as far as the next wall.
 #[test]
 fn a_closed_door_matters_on_the_way_only() {
-    let door = Door { corners: vec![[6.0, 0.0], [6.0, 4.0]], open: vec![[1.0, 9.0]] };
+    let door = Door { corners: vec![[6.0, 0.0], [6.0, 4.0]], open: times(&[1.0, 9.0]) };
     let wall = vec![vec2(5.8, 0.0), vec2(5.8, 4.0)];
     let people = [person(0, 5.0, 2.0), person(1, 5.0, 3.0)];
     for model in ["straight", "rotational"] {
@@ -276,7 +281,7 @@ fn a_closed_door_matters_on_the_way_only() {
 fn people_slow_down_in_front_of_a_closed_door() {
     let people = [person(0, 5.5, 2.0), person(1, 5.0, 2.0), person(2, 4.5, 2.0), person(3, 6.2, 2.0)];
     let plan = plan(&[room()], &people, DOOR).unwrap();
-    let door = Door { corners: vec![[6.0, 1.5], [6.0, 2.5]], open: vec![[0.1, 9.0]] };
+    let door = Door { corners: vec![[6.0, 1.5], [6.0, 2.5]], open: times(&[0.1, 9.0]) };
     let mut decision = Decision::new(Plan { doors: vec![door], ..plan });
     // The last one is beyond it.
     for (speed, expected) in speeds(&mut decision).into_iter().zip([0.0, 0.5, 1.0, 1.0]) {
@@ -409,7 +414,7 @@ fn who_cannot_pass_a_door_in_time_takes_another_exit() {
     let line = |points: &[(f64, f64)]| points.iter().map(|&(x, y)| vec2(x, y)).collect::<Vec<Vec2>>();
     let walls =
         [line(&[(0.0, 0.0), (10.0, 0.0), (10.0, 1.0)]), line(&[(10.0, 2.0), (10.0, 3.0), (0.0, 3.0)])];
-    let door = |open: [f64; 2]| Door { corners: vec![[10.0, 1.0], [10.0, 2.0]], open: vec![open] };
+    let door = |open: [f64; 2]| Door { corners: vec![[10.0, 1.0], [10.0, 2.0]], open: times(&open) };
     let exits = "exits = [{ line = [[11, 0], [11, 3]], open = [[0, 32.5]] }, { line = [[-8, 0], [-8, 3]] }]";
     for choice in ["time", "distance"] {
         let leaves_at = 12.0 / 1.34;
@@ -442,8 +447,7 @@ fn a_door_on_the_line_of_an_exit_is_on_the_way() {
         // Between the posts, and along the wall.
         for (behind, low, high) in [(0.0, 0.0, 1.2), (0.0, -3.0, 8.0), (0.02, -3.0, 8.0), (0.06, -3.0, 8.0)] {
             let corners = [put(10.0 + behind, low), put(10.0 + behind, high)].map(Into::into).to_vec();
-            let (open, name) = (Vec::new(), String::new());
-            let exit = Target { name, stay: false, corners, open, time_factor: 1.0 };
+            let exit = Target { name: String::new(), stay: false, corners, open: None, time_factor: 1.0 };
             let [before, other] = [put(7.0, 0.6), put(7.0, 4.6)];
             let people = [before, other, put(0.0, 0.0)].map(|at| (at, Destination::Target(0)));
             let ways = Ways::new(&walls, &[exit], people.into_iter()).unwrap();
@@ -464,7 +468,7 @@ fn a_door_that_somebody_has_passed_is_not_ahead() {
         let turn = lemons_core::plane::rotation(0.08 * f64::from(k));
         let put = |x: f64, y: f64| turn * vec2(x + 0.013 * f64::from(k), y);
         let corners = [put(11.0, 0.0), put(11.0, 1.2)].map(Into::into).to_vec();
-        let exit = Target { name: String::new(), stay: false, corners, open: Vec::new(), time_factor: 1.0 };
+        let exit = Target { name: String::new(), stay: false, corners, open: None, time_factor: 1.0 };
         let walls = [vec![put(10.0, -3.0), put(10.0, 0.0)], vec![put(10.0, 1.2), put(10.0, 4.0)]];
         let people = [(put(7.0, 0.6), Destination::Target(0))];
         let ways = Ways::new(&walls, &[exit], people.into_iter()).unwrap();
@@ -499,21 +503,17 @@ fn who_is_carried_to_another_exit_takes_it_within_a_second() {
 fn nobody_turns_round_for_a_gate_whose_times_are_known() {
     let line = |points: &[(f64, f64)]| points.iter().map(|&(x, y)| vec2(x, y)).collect::<Vec<Vec2>>();
     let sides = [line(&[(-45.0, 0.0), (30.0, 0.0)]), line(&[(-45.0, 3.0), (30.0, 3.0)])];
-    let gate = |x: f64, open: &[[f64; 2]]| Door { corners: vec![[x, 0.0], [x, 3.0]], open: open.to_vec() };
-    let cycle: Vec<[f64; 2]> = (0..20).map(|k| [6.0 * f64::from(k), 6.0 * f64::from(k) + 2.0]).collect();
+    let gate = |x: f64, open: &[f64]| Door { corners: vec![[x, 0.0], [x, 3.0]], open: times(open) };
+    let cycle: Vec<f64> = (0..20).flat_map(|k| [6.0 * f64::from(k), 6.0 * f64::from(k) + 2.0]).collect();
     let exits = "exits = [{ line = [[26, 0], [26, 3]] }, { line = [[-40, 0], [-40, 3]] }]";
     for choice in ["time", "distance"] {
         for (name, doors, last) in [
-            ("opens soon", vec![gate(20.0, &[[5.0, 90.0]])], 26.0 / 1.34),
+            ("opens soon", vec![gate(20.0, &[5.0, 90.0])], 26.0 / 1.34),
             ("cyclic", vec![gate(20.0, &cycle)], 18.0 + 6.0 / 1.34),
-            ("opens late", vec![gate(20.0, &[[60.0, 90.0]])], 40.0 / 1.34),
-            ("shuts before", vec![gate(20.0, &[[0.0, 14.0]])], 40.0 / 1.34),
-            ("second shuts", vec![gate(20.0, &[[18.0, 90.0]]), gate(24.0, &[[0.0, 19.0]])], 40.0 / 1.34),
-            (
-                "second is open",
-                vec![gate(20.0, &[[18.0, 90.0]]), gate(24.0, &[[0.0, 40.0]])],
-                18.0 + 6.0 / 1.34,
-            ),
+            ("opens late", vec![gate(20.0, &[60.0, 90.0])], 40.0 / 1.34),
+            ("shuts before", vec![gate(20.0, &[0.0, 14.0])], 40.0 / 1.34),
+            ("second shuts", vec![gate(20.0, &[18.0, 90.0]), gate(24.0, &[0.0, 19.0])], 40.0 / 1.34),
+            ("second is open", vec![gate(20.0, &[18.0, 90.0]), gate(24.0, &[0.0, 40.0])], 18.0 + 6.0 / 1.34),
         ] {
             let mut plan =
                 plan(&sides, &[person(0, 0.0, 1.5)], &format!("exit_choice = \"{choice}\"\n{exits}"))
@@ -549,7 +549,7 @@ fn who_lies_across_a_door_that_closes_walks_on() {
         )
         .unwrap();
         plan.agents[0].disks.clone_from(&long.disks);
-        plan.doors = vec![Door { corners: vec![[6.0, 1.5], [6.0, 2.5]], open: vec![[1e6, 2e6]] }];
+        plan.doors = vec![Door { corners: vec![[6.0, 1.5], [6.0, 2.5]], open: times(&[1e6, 2e6]) }];
         Decision::new(plan).acts().unwrap()[0].drive.force[0] / (80.0 * 2.0 * 1.34)
     };
     assert!(

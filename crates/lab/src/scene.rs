@@ -78,8 +78,9 @@ struct WallShown {
     id: String,
     corners: Vec<[f64; 2]>,
     /// \[s\] Times from which to which it is open; without, never.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    open: Vec<[f64; 2]>,
+    #[cfg_attr(feature = "typescript", ts(as = "Option<Vec<[f64; 2]>>", optional))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    open: Option<trial::OpeningTimes>,
 }
 
 /// Measures of somebody in a crowd.

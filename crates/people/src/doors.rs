@@ -2,7 +2,7 @@
 
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::{Foot, InPlane, Ring, Vec2, nearest_on_line, vec2};
-use lemons_core::trial::{Geometry, LATEST, TIMES, Wall, are_times};
+use lemons_core::trial::{Geometry, OpeningTimes, Wall};
 use serde::{Deserialize, Serialize};
 
 /// \[m\] A door further from all walls is a mistake.
@@ -28,9 +28,10 @@ pub struct Door {
     pub at: Vec2,
     /// \[m\] Width, along the wall.
     pub width: f64,
-    /// \[s\] The times from and to which it is open; at other times a wall closes it. If empty, it is always open.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub open: Vec<[f64; 2]>,
+    /// When it is open, if a wall closes it at other times; `None` if it is always open.
+    #[cfg_attr(feature = "typescript", ts(as = "Option<Vec<[f64; 2]>>", optional))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub open: Option<OpeningTimes>,
 }
 
 /// A gap along a wall: from and to \[m\] from its first corner, going round if it is closed.
@@ -90,7 +91,7 @@ fn cut(geometry: Geometry, doors: &[Door], may: fn(&Wall) -> bool, kind: &str) -
             let id = if place == 0 { Some(wall.id.clone()) } else { free.next() };
             walls.push(Wall { id: id.unwrap_or_default(), corners, ..wall.clone() });
         }
-        for Gap { door, .. } in own.iter().filter(|gap| !gap.door.open.is_empty()) {
+        for Gap { door, .. } in own.iter().filter(|gap| gap.door.open.is_some()) {
             let (id, corners) = (free.next().unwrap_or_default(), door.course(&[&wall.corners]));
             walls.push(Wall { id, corners, open: door.open.clone(), ..wall.clone() });
         }
@@ -105,7 +106,7 @@ fn refuse_walls_in_gaps(gaps: &[Gap<'_>], lines: &[Vec<Vec2>]) -> Result<()> {
             // A closed wall goes round.
             let round = if is_closed(&lines[a.line]) { length(&lines[a.line]) } else { 0.0 };
             let meets = |by: f64| a.from < b.to + by - SHORTEST && b.from + by < a.to - SHORTEST;
-            let timed = !(a.door.open.is_empty() && b.door.open.is_empty());
+            let timed = a.door.open.is_some() || b.door.open.is_some();
             require(!(timed && a.line == b.line && [-round, 0.0, round].into_iter().any(meets)), || {
                 format!(
                     "doors {k} and {j} overlap, and one of them opens and closes: only doors that are always open may"
@@ -118,13 +119,12 @@ fn refuse_walls_in_gaps(gaps: &[Gap<'_>], lines: &[Vec<Vec2>]) -> Result<()> {
 
 /// The door's place along the line that is nearest.
 fn gap<'a>(lines: &[Vec<Vec2>], number: usize, door: &'a Door, kind: &str) -> Result<Gap<'a>> {
-    let &Door { at, width, ref open } = door;
+    let &Door { at, width, .. } = door;
     require(width > 0.0 && width.is_finite(), || {
         format!("door {number}: width = {width} m: must be positive and finite")
     })?;
     let on = nearest_wall(lines, at);
     let distance = on.map_or(f64::INFINITY, |(_, foot)| foot.distance);
-    require(are_times(open), || format!("door {number}: open = {open:?}: must be {TIMES}"))?;
     // A place that is not a number is infinitely far.
     let Some((line, foot)) = on.filter(|_| distance <= FARTHEST) else {
         return Err(PeopleError::new(format!(
@@ -150,31 +150,21 @@ pub fn nearest_wall<L: AsRef<[Vec2]>>(lines: &[L], at: Vec2) -> Option<(usize, F
 impl Door {
     /// Makes a door that is always open.
     pub fn new(at: Vec2, width: f64) -> Door {
-        Door { at, width, open: Vec::new() }
+        Door { at, width, open: None }
     }
 
     /// Makes a door of x, y and width \[m\] and the times \[s\] from and to which it is open; without the last time it does
     /// not close any more. `None` if they are not three numbers and such times.
     pub fn of_numbers(numbers: &[f64]) -> Option<Door> {
         let &[x, y, width, ref times @ ..] = numbers else { return None };
-        let (open, rest) = times.as_chunks::<2>();
-        let last = rest.iter().map(|from| [*from, LATEST]);
-        let open: Vec<[f64; 2]> = open.iter().copied().chain(last).collect();
-        are_times(&open).then(|| Door { open, ..Door::new(vec2(x, y), width) })
+        let open = if times.is_empty() { None } else { Some(OpeningTimes::of_numbers(times).ok()?) };
+        Some(Door { open, ..Door::new(vec2(x, y), width) })
     }
 
-    /// Returns the times \[s\] at which people can leave behind it: those of the door, and a little longer for who has come
-    /// through it. Empty: always.
-    pub fn exit_times(&self) -> Vec<[f64; 2]> {
-        let mut times: Vec<[f64; 2]> = Vec::new();
-        for &[from, to] in &self.open {
-            let to = (to + BEYOND).min(LATEST);
-            match times.last_mut() {
-                Some(last) if from <= last[1] => last[1] = to,
-                _ => times.push([from, to]),
-            }
-        }
-        times
+    /// Returns when people can leave behind it: when it is open, and a little longer for who has come through it; `None`:
+    /// always.
+    pub fn exit_times(&self) -> Option<OpeningTimes> {
+        Some(self.open.as_ref()?.lengthened(BEYOND))
     }
 
     /// Returns the way \[m\] along the wall from one end of the gap to the other: corners of the wall lie between them
@@ -483,16 +473,12 @@ mod tests {
         assert_eq!(right.wall(&geometry), Some(&geometry.walls[1]));
         assert_eq!(right.wall(&walls(&[], "")), None);
         // A door that opens at 20 s is a gap with a wall in it.
-        let opens = Door { open: vec![[20.0, 60.0]], ..right };
+        let opens = Door { open: OpeningTimes::of_numbers(&[20.0, 60.0]).ok(), ..right };
         let closed = cut_doors(geometry.clone(), &[opens.clone(), door(4.0, 0.0, 2.0)]).unwrap();
         let wall = &closed.walls[3];
         assert_eq!((&*wall.id, &*wall.material_id, &wall.open), ("3", "concrete", &opens.open));
         assert_eq!(wall.corners, [vec2(8.0, 2.5), vec2(8.0, 3.5)]);
         assert!(closed.fixed_walls().eq(&cut.walls));
-        let never = Door { open: vec![[60.0, 20.0]], ..opens };
-        assert!(
-            cut_doors(geometry, &[never]).unwrap_err().to_string().contains("open = [[60.0, 20.0]]: must be")
-        );
     }
 
     #[test]

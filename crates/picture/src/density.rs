@@ -47,7 +47,7 @@ impl DensityMap {
     /// Makes an empty map of a part of the plane. `kernel` \[m\] is the standard deviation of the Gaussian; if it is
     /// not positive and finite, [`DENSITY_KERNEL`] is used.
     pub fn new(view: Bounds, kernel: f64, walls: &[Wall]) -> DensityMap {
-        let fixed = walls.iter().filter(|wall| wall.open.is_empty());
+        let fixed = walls.iter().filter(|wall| wall.open.is_none());
         let sides = fixed.flat_map(|wall| wall.corners.windows(2).map(|side| [side[0], side[1]]));
         let walls: Vec<[Vec2; 2]> = sides.filter(|[a, b]| near(*a) && near(*b) && a != b).collect();
         let kernel = if kernel.is_finite() && kernel > 0.0 { kernel } else { DENSITY_KERNEL };

@@ -11,7 +11,6 @@ use crate::sheet::Frame;
 use crate::style::{Colouring, Style};
 use crate::text::{PX, escaped, text_of};
 use lemons_core::plane::{Pose, Vec2, rotation, vec2};
-use lemons_core::trial::is_open;
 
 /// \[px\] Width of walls.
 const WALL_STROKE: f64 = 2.4;
@@ -187,7 +186,7 @@ impl<'a> World<'a> {
                     let corners: Vec<Vec2> = wall.corners.iter().copied().filter(|c| near(*c)).collect();
                     let [first, rest @ .., last] = &corners[..] else { continue };
                     let closed = first == last && rest.len() > 1;
-                    if is_open(&wall.open, world.style.time.unwrap_or(0.0)) {
+                    if wall.is_open(world.style.time.unwrap_or(0.0)) {
                         let [dash, gap] = OPEN_DASHES.map(|length| text_of(length * world.px, 6));
                         *world.out += &format!("<path stroke-dasharray=\"{dash} {gap}\" d=\"");
                     } else {

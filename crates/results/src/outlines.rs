@@ -47,7 +47,7 @@ fn bits(point: Vec2) -> [u64; 2] {
 /// \[m\] of walls that enclose nothing without such lines. Walls that open at times do not count.
 pub(crate) fn outlines(walls: &[Wall]) -> (Vec<Outline>, Vec<(Vec2, Vec2)>) {
     let walls: Vec<&Wall> =
-        walls.iter().filter(|wall| wall.corners.len() > 1 && wall.open.is_empty()).collect();
+        walls.iter().filter(|wall| wall.corners.len() > 1 && wall.open.is_none()).collect();
     // The two ends of a wall have successive places, of which the first is even.
     let ends: Vec<Vec2> =
         walls.iter().flat_map(|wall| [wall.corners[0], wall.corners[wall.corners.len() - 1]]).collect();

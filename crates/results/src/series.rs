@@ -8,7 +8,6 @@ use crate::text::{files_of, own};
 use lemons_core::files::{Change, change_all};
 use lemons_core::trial::{
     AgentDynamics, DynamicsElement, Interactions, Trial, dynamics_xml, interactions_xml, output_names,
-    times_from,
 };
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
@@ -162,8 +161,8 @@ pub fn trial_at_end(record: &Record, trial: &Trial) -> Result<Trial, RecordError
     let last = record.read_wanted(KeptFrames::Around(Vec::new()))?.frames.pop().unwrap_or_default();
     let mut trial = trial.clone();
     let step = trial.parameters.time_step;
-    for wall in trial.geometry.walls.iter_mut().filter(|wall| !wall.open.is_empty()) {
-        wall.open = times_from(&wall.open, last.time, step);
+    for open in trial.geometry.walls.iter_mut().filter_map(|wall| wall.open.as_mut()) {
+        *open = open.since(last.time, step);
     }
     let moved = |(motion, was): (_, &AgentDynamics)| {
         let now = AgentDynamics::of(motion);

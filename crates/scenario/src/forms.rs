@@ -4,7 +4,7 @@ use crate::MOST_PEOPLE;
 use crate::error::{Result, require};
 use crate::within;
 use lemons_core::plane::{Vec2, vec2};
-use lemons_core::trial::{FARTHEST, LATEST, TIMES};
+use lemons_core::trial::{FARTHEST, OpeningTimes};
 use lemons_people::Door;
 use lemons_people::drawing::{DEVIATION, Enclosing, PlanSettings, Reading, WIDEST_DOOR};
 use serde::{Deserialize, Serialize};
@@ -40,14 +40,15 @@ impl TryFrom<Vec<f64>> for DoorForm {
 
     fn try_from(numbers: Vec<f64>) -> Result<DoorForm, String> {
         Door::of_numbers(&numbers).map(DoorForm).ok_or_else(|| {
-            format!("{numbers:?}: must be x, y and a width, in m; then, if it opens and closes, {TIMES}")
+            let rule = OpeningTimes::RULE;
+            format!("{numbers:?}: must be x, y and a width, in m; then, if it opens and closes, {rule}")
         })
     }
 }
 
 impl From<DoorForm> for Vec<f64> {
     fn from(DoorForm(Door { at, width, open }): DoorForm) -> Vec<f64> {
-        let times = open.into_iter().flatten().filter(|time| *time != LATEST);
+        let times = open.iter().flat_map(OpeningTimes::numbers);
         [at.x, at.y, width].into_iter().chain(times).collect()
     }
 }

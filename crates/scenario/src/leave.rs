@@ -10,8 +10,8 @@ use lemons_decision::rule::{WAYPOINT_RADIUS, Waypoint};
 use lemons_decision::{
     AgentConfig, DEFAULT_SPEED, DecisionConfig, Plan, Spread, TargetConfig, WalkingModelName,
 };
+use lemons_people::Agent;
 use lemons_people::drawing::{self, Read};
-use lemons_people::{Agent, Door};
 
 impl Scenario {
     /// Checks what is said of people who leave.
@@ -105,7 +105,7 @@ impl Scenario {
             Some(TargetConfig {
                 name: Some(format!("door {k}")),
                 line: Some(line.map(Into::into)),
-                open: Some(Door::exit_times(door)).filter(|times| !times.is_empty()),
+                open: door.exit_times(),
                 ..TargetConfig::default()
             })
         });

@@ -2,7 +2,7 @@
 
 use crate::numbers::{array, list, within};
 use lemons_core::plane::vec2;
-use lemons_core::trial::{FARTHEST, TIMES};
+use lemons_core::trial::{FARTHEST, OpeningTimes};
 use lemons_people::Door;
 use lemons_people::placing::FreeSpace;
 use lemons_scenario::{DoorForm, RegionForm};
@@ -44,7 +44,8 @@ pub fn door(text: &str) -> Result<DoorForm, String> {
         [x, y, width, ..]
             if [x, y].iter().all(|x| x.abs() <= FARTHEST) && (0.1..=1e3).contains(&width) =>
         {
-            let wrong = || format!("after x, y and width, must be {TIMES}, as in 8,3,1,20,60; the last time may be left out");
+            let rule = OpeningTimes::RULE;
+            let wrong = || format!("after x, y and width, must be {rule}, as in 8,3,1,20,60; the last time may be left out");
             Door::of_numbers(&numbers).map(DoorForm).ok_or_else(wrong)
         }
         _ => Err("must be x, y and width in m, as in 8,3,1; the width is from 0.1 to 1000, x and y are from -1e9 to \

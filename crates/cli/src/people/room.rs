@@ -321,7 +321,7 @@ pub fn room(arguments: &Arguments) -> Result<()> {
     let mut read = reading.read(drawing)?;
     for DoorForm(door) in &arguments.doors {
         let named = || format!("{}: --door", drawing.display());
-        if !door.open.is_empty() {
+        if door.open.is_some() {
             bail!(crate::error::Misused(format!(
                 "--door {},{},{}: a door of a drawing has no times: give them to lemons crowd",
                 door.at.x, door.at.y, door.width

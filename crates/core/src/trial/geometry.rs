@@ -3,7 +3,7 @@
 use crate::files::source::Source;
 use crate::plane::{Vec2, vec2};
 use crate::trial::documents::{Checked, read_alone};
-use crate::trial::opening;
+use crate::trial::opening::OpeningTimes;
 use crate::trial::schema::{Schema, Value};
 use crate::trial::xml::{Element, Ids, document, empty, read_id, vector};
 use crate::xml::{number, quoted};
@@ -30,7 +30,7 @@ impl Geometry {
 
     /// Returns the walls that never open.
     pub fn fixed_walls(&self) -> impl Iterator<Item = &Wall> {
-        self.walls.iter().filter(|wall| wall.open.is_empty())
+        self.walls.iter().filter(|wall| wall.open.is_none())
     }
 
     /// Returns the text of a `Geometry.xml`. Every number is read back as the same double.
@@ -48,14 +48,19 @@ pub struct Wall {
     pub material_id: String,
     /// \[m\] at least two corners; the wall is closed if the last one is at the place of the first.
     pub corners: Vec<Vec2>,
-    /// \[s\] `Open`: the times from and to which the wall is open. If empty, it never opens.
-    pub open: Vec<[f64; 2]>,
+    /// `Open`: when the wall is open; `None` if it never opens.
+    pub open: Option<OpeningTimes>,
 }
 
 impl Wall {
     /// Makes a wall that never opens, through at least two corners \[m\].
     pub fn new(id: impl Into<String>, material_id: impl Into<String>, corners: Vec<Vec2>) -> Wall {
-        Wall { id: id.into(), material_id: material_id.into(), corners, open: Vec::new() }
+        Wall { id: id.into(), material_id: material_id.into(), corners, open: None }
+    }
+
+    /// Returns whether it is open at a time \[s\].
+    pub fn is_open(&self, time: f64) -> bool {
+        self.open.as_ref().is_some_and(|open| open.is_open(time))
     }
 }
 
@@ -80,7 +85,7 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Geometry {
         let id = read_id(element, &mut lines);
         let (material_id, _) = element.reference("MaterialId", materials);
         let corners = read_corners(element, &id);
-        let open = if element.node.has("Open") { element.times("Open") } else { Vec::new() };
+        let open = element.times("Open");
         walls.push(Wall { id, material_id, corners, open });
     }
     Geometry { dimensions, walls }
@@ -110,7 +115,7 @@ pub(crate) fn xml(geometry: &Geometry) -> String {
             empty(out, &DIMENSIONS, &[&number(size.x), &number(size.y)]);
         }
         for wall in &geometry.walls {
-            let open = (!wall.open.is_empty()).then(|| opening::text(&wall.open));
+            let open = wall.open.as_ref().map(OpeningTimes::text);
             let values = [Some(&*wall.id), Some(&wall.material_id), open.as_deref()];
             out.element("Wall", &WALL.values(&values), |out| {
                 for &corner in &wall.corners {

@@ -7,7 +7,7 @@ use crate::files::source::Source;
 use crate::files::{input, words};
 use crate::plane::{Vec2, vec2};
 use crate::trial::documents::Checked;
-use crate::trial::opening::{self, TIMES};
+use crate::trial::opening::OpeningTimes;
 use crate::trial::problem::Problems;
 use crate::trial::schema::{Schema, Value};
 use crate::xml::{Document, Layout, Out, Problem, Severity, decimal, quoted};
@@ -324,14 +324,14 @@ impl<'a> Element<'a> {
         (id, place)
     }
 
-    /// Returns pairs of times \[s\].
-    pub(crate) fn times(self, attribute: &str) -> Vec<[f64; 2]> {
-        let times = self.required(attribute).and_then(opening::parse);
+    /// Returns the times of an attribute that may be left out.
+    pub(crate) fn times(self, attribute: &str) -> Option<OpeningTimes> {
+        let text = self.node.has(attribute).then(|| self.required(attribute))??;
+        let times = OpeningTimes::parse(text);
         if times.is_none() {
-            let must = format!("must be {TIMES}: \"20,60 90,1e9\"");
-            self.wrong(attribute, must);
+            self.wrong(attribute, format!("must be {}: \"20,60 90,1e9\"", OpeningTimes::RULE));
         }
-        times.unwrap_or_default()
+        times
     }
 
     /// Adds a problem to those of the file.

@@ -2,9 +2,9 @@
 
 use super::{Agent, Decision};
 use crate::exit_choice::{ExitChoice, Offer, Queues};
-use crate::plan::Door;
 use crate::target::{Destination, Target};
 use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::OpeningTimes;
 
 impl Decision {
     /// Chooses an exit for everybody whose turn it is, as it is after a step \[s\], if people choose by more than where exits
@@ -13,9 +13,7 @@ impl Decision {
         let Some(Some(ways)) = self.ways.clone().filter(|_| self.plan.chooses()) else { return };
         let (now, by_time) = (self.time + step, self.plan.exit_choice == ExitChoice::Time);
         // By distance, once a second and when something opens or closes; a group with its first member.
-        let opens = |exit: &Target| exit.is_open(self.time) != exit.is_open(now);
-        let turns = |door: &Door| door.is_closed(self.time) != door.is_closed(now);
-        let anew = self.plan.targets.iter().any(opens) || self.plan.doors.iter().any(turns);
+        let anew = self.plan.opens_or_closes(self.time, now);
         let due = |agent: &mut Agent| !by_time && (agent.choice.is_due(step) || anew);
         let due: Vec<bool> = self.agents.iter_mut().map(due).collect();
         let here = |i: &usize| !self.agents[*i].left && self.has_started(*i);
@@ -53,7 +51,7 @@ impl Decision {
             let offers = widths.iter().zip(&doors).map(|(&(target, width), doors)| {
                 let distance = self.to_go(i, Destination::Target(target));
                 let Target { open, time_factor, .. } = &self.plan.targets[target];
-                Offer { target, distance, width, open, doors, time_factor: *time_factor }
+                Offer { target, distance, width, open: open.as_ref(), doors, time_factor: *time_factor }
             });
             let all: Vec<Offer<'_>> = offers.collect();
             let Some(exit) = queues.change(own, self.agents[i].walker.desired_speed, now, &all) else {
@@ -87,10 +85,10 @@ impl Decision {
         (0..self.plan.targets.len()).filter(|k| !self.plan.targets[*k].stay)
     }
 
-    /// Returns the doors on the way of an agent to an exit: when each is open \[s\], and how far it is from there \[m\].
-    fn doors_on_the_way(&self, i: usize, exit: usize) -> Vec<(&[[f64; 2]], f64)> {
+    /// Returns the doors on the way of an agent to an exit: when each is open, and how far it is from there \[m\].
+    fn doors_on_the_way(&self, i: usize, exit: usize) -> Vec<(&OpeningTimes, f64)> {
         let doors = self.ways().into_iter().flat_map(|ways| ways.doors_to(exit, self.starts_from(i)));
-        doors.map(|(k, far)| (&self.plan.doors[k].open[..], far)).collect()
+        doors.map(|(k, far)| (&self.plan.doors[k].open, far)).collect()
     }
 
     /// Returns the exit through which an agent is first without queues, at a time \[s\]: the nearest one on foot, if no door
@@ -101,7 +99,7 @@ impl Decision {
         let by_each = self.exits().map(|target| {
             let distance = self.to_go(i, Destination::Target(target));
             let (exit, doors) = (&self.plan.targets[target], self.doors_on_the_way(i, target));
-            let open = if exit.is_open(time) { &[][..] } else { &exit.open[..] };
+            let open = exit.open.as_ref().filter(|open| !open.is_open(time));
             let offer =
                 Offer { target, distance, width: f64::INFINITY, open, doors: &doors, time_factor: 1.0 };
             (target, offer.time(self.agents[i].walker.desired_speed, time, 0.0), distance)

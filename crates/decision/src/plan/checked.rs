@@ -8,7 +8,6 @@ use crate::error::{
 };
 use crate::target::{Destination, Target};
 use lemons_core::plane::vec2;
-use lemons_core::trial::{MOST_TIMES, are_times};
 
 impl Plan {
     /// Checks that, from where they start, or from their last way-point, all must be able to reach their destination.
@@ -42,10 +41,9 @@ impl Plan {
         for corner in self.walls.iter().flatten().flatten() {
             coordinate("a wall", "corner", *corner)?;
         }
-        for (k, Door { corners, open }) in self.doors.iter().enumerate() {
+        for (k, Door { corners, .. }) in self.doors.iter().enumerate() {
             let place = format!("door {k}");
             corners.iter().flatten().try_for_each(|at| coordinate(&place, "corner", *at))?;
-            check_times(place, open)?;
         }
         for (k, motivation) in self.motivation.iter().enumerate() {
             let place = format!("motivation {k}");
@@ -130,13 +128,6 @@ fn check_groups(groups: &[Vec<usize>], people: usize) -> Result<(), PlanError> {
     Ok(())
 }
 
-fn check_times(place: String, open: &[[f64; 2]]) -> Result<(), PlanError> {
-    if open.len() > MOST_TIMES {
-        return Err(PlanError::TooManyTimes { place, count: open.len() });
-    }
-    if are_times(open) { Ok(()) } else { Err(PlanError::Open { place, value: format!("{open:?}") }) }
-}
-
 /// Checks that each is a line or an area, and the times of exits: people leave at communication points only, a time step
 /// \[s\] apart.
 pub(super) fn check_targets(targets: &[Target], time_step: f64) -> Result<(), PlanError> {
@@ -151,13 +142,10 @@ pub(super) fn check_targets(targets: &[Target], time_step: f64) -> Result<(), Pl
         if target.corners.len() < 2 {
             return Err(PlanError::LineOrPolygon { place });
         }
-        if target.stay && !target.open.is_empty() {
+        if target.stay && target.open.is_some() {
             return Err(PlanError::OpenGoal { place });
         }
-        check_times(place.clone(), &target.open)?;
-        // A rounding error is not too short.
-        let short = |[from, to]: &&[f64; 2]| to - from < time_step - 1e-9;
-        if let Some(value) = target.open.iter().find(short) {
+        if let Some(value) = target.open.as_ref().and_then(|open| open.shorter_than(time_step)) {
             let (value, step) = (format!("{value:?}"), time_step.to_string());
             return Err(PlanError::ShortOpen { place, value, step });
         }

@@ -32,16 +32,13 @@ pub(super) fn targets_of(config: &DecisionConfig) -> Result<Vec<Target>, PlanErr
             if let Some(share) = share {
                 not_negative(&place, "share", *share)?;
             }
-            if open.as_ref().is_some_and(Vec::is_empty) {
-                return Err(PlanError::Open { place, value: "[]".into() });
-            }
             if time_factor.is_some() && by != Some(ExitChoice::Time) {
                 return Err(PlanError::NotByTime(k));
             }
             if targets.iter().any(|other| other.name == name) {
                 return Err(PlanError::SameName { place, name });
             }
-            let (open, time_factor) = (open.clone().unwrap_or_default(), time_factor.unwrap_or(1.0));
+            let (open, time_factor) = (open.clone(), time_factor.unwrap_or(1.0));
             targets.push(Target { name, stay, corners, open, time_factor });
         }
     }

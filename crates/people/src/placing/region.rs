@@ -110,7 +110,7 @@ impl Region {
         named.swap(0, largest.unwrap_or(0));
         let mut region = Region::of_rings(&named)?;
         // Nobody stands across a door that is closed.
-        let doors = geometry.walls.iter().filter(|wall| !wall.open.is_empty());
+        let doors = geometry.walls.iter().filter(|wall| wall.open.is_some());
         let sides = doors.flat_map(|wall| wall.corners.windows(2));
         region.edges.extend(sides.map(|ends| Edge::new(ends[0], ends[1], true)));
         Ok(region)

@@ -7,7 +7,7 @@ use crowd_mechanics::engine::World;
 use crowd_mechanics::scenes::bare::BareCrowd;
 use crowd_mechanics::scenes::{Random, in_a_box};
 use lemons_core::plane::vec2;
-use lemons_core::trial::{DriveChoice, Wall};
+use lemons_core::trial::{DriveChoice, OpeningTimes, Wall};
 use lemons_decision::{DecisionConfig, Plan};
 use lemons_master::{PlanChoice, TrialInput};
 use lemons_sim::{Algorithm, Simulation};
@@ -92,7 +92,7 @@ fn walking(more: &str, closes: bool) -> Result<Call> {
     let config = DecisionConfig::from_toml(&format!("model = \"rotational\"\n{more}{wishes}"))?;
     if closes {
         let mut door = Wall::new("door", "concrete", vec![vec2(5.0, 2.05), vec2(5.0, 2.95)]);
-        door.open = vec![[0.0, BEGIN + 0.2], [BEGIN + 0.4, 1e9]];
+        door.open = OpeningTimes::of_numbers(&[0.0, BEGIN + 0.2, BEGIN + 0.4]).ok();
         documents.trial.geometry.walls.push(door);
     }
     documents.plan = Some(Plan::of(&documents.trial, &config)?);

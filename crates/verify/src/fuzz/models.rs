@@ -4,7 +4,7 @@ use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::quantities::Quantity;
 use crowd_mechanics::setup;
 use lemons_core::plane::vec2;
-use lemons_core::trial::{Trial, Wall};
+use lemons_core::trial::{OpeningTimes, Trial, Wall};
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::{Decision, rule::Pose};
 use lemons_decision::{DecisionConfig, Person, Plan};
@@ -202,7 +202,7 @@ fn crowd() -> Resources {
     std::fs::create_dir_all(&output).expect("its directory");
     let mut trial = small_trial();
     let door = Wall::new("door", "concrete", vec![vec2(0.4, -0.5), vec2(0.4, 0.5)]);
-    trial.geometry.walls.push(Wall { open: vec![[0.01, 0.03], [0.05, 1e9]], ..door });
+    trial.geometry.walls.push(Wall { open: OpeningTimes::of_numbers(&[0.01, 0.03, 0.05]).ok(), ..door });
     trial.write(&resources.join("Trial_a")).expect("a Trial can be written");
     trial.dynamics[1].position.x = 0.5;
     trial.write(&resources.join("Trial_b")).expect("a Trial can be written");
