@@ -1099,6 +1099,8 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["at most # are allowed", "höchstens # sind erlaubt", "# au plus sont permis"],
     ["its area is # m²", "seine Fläche ist # m²", "son aire est de # m²"],
     ["at least # m² is needed", "mindestens # m² sind nötig", "il faut au moins # m²"],
+    ["more than half of one lies outside the room", "mehr als die Hälfte davon liegt außerhalb des Raums", "plus de la moitié est hors de la salle"],
+    ["region # of the room", "Bereich # des Raums", "région # de la salle"],
     ["the region where people are placed", "der Bereich, in dem Personen aufgestellt werden", "la région où les personnes sont placées"],
     ["somebody would stand in it", "jemand stünde darin", "quelqu'un serait dedans"],
     ["person # would overlap somebody by # mm", "Person # würde jemanden um # mm überlappen", "la personne # recouvrirait quelqu'un de # mm"],

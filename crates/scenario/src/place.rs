@@ -177,7 +177,7 @@ impl Scenario {
         }
         if let Some(room) = &self.room {
             let within = grounds.iter().all(|ground| !has_regions || !ground.free.rooms.is_empty());
-            require(within, || "`regions`: more than half of one lies outside the `room`".into())?;
+            require(within, || "`regions`: more than half of one lies outside the room".into())?;
             let (named, lines) = (|| "`room`".to_owned(), room.lines().of(|| "`room`".into())?);
             let geometry = Room { doors: doors.clone(), ..room.clone() }.with_doors(geometry).of(named)?;
             return Ok(Place { grounds, geometry, lines, name, has_regions, drawn, doors, notes });

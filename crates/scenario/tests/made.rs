@@ -121,7 +121,7 @@ fn what_cannot_be_is_said_with_its_key() {
     assert_eq!((both.place.doors.len(), both.decision.unwrap().0.exits.unwrap().len()), (2, 2));
     let mut outside = room.clone();
     outside.regions[0] = RegionForm::of(&[[7.0, 0.0], [12.0, 0.0], [12.0, 6.0]].map(Into::into));
-    assert!(made(&outside).unwrap_err().to_string().contains("outside the `room`"));
+    assert!(made(&outside).unwrap_err().to_string().contains("outside the room"));
     let many = format!("number = 3\nbox = [5, 5]\ndoors = [{}]", "[5, 2, 1],".repeat(2000));
     assert!(made(&Scenario::from_toml(&many).unwrap()).unwrap_err().to_string().contains("2000 are more"));
     // Files are looked for beside the scenario.
