@@ -161,7 +161,8 @@ pub fn of_file(path: &Path, files: &Memory, watch: &mut Watch) -> Result<Basis, 
     within("seed", scenario.seed as f64, [0.0, LARGEST_SEED as f64])?;
     scenario.room.iter().try_for_each(|room| room::check_drawn(room, None))?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    made(&scenario, name, files, watch)
+    let named = |Refused(why)| Refused(format!("{}: {why}", path.display()));
+    made(&scenario, name, files, watch).map_err(named)
 }
 
 fn made(

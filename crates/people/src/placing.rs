@@ -14,6 +14,7 @@ mod soft_disks;
 use crate::error::Result;
 use crate::shape::Shape;
 use lemons_core::plane::{Disk, Pose};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -83,7 +84,8 @@ pub struct Settings {
 }
 
 /// An algorithm that places shapes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Method {
     /// [`dense()`]
     Dense,

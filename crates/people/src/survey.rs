@@ -6,7 +6,6 @@
 use crate::error::{PeopleError, Result, require};
 use crate::person::{Measure, Person, Sex};
 use csv::{ReaderBuilder, StringRecord};
-use lemons_core::files::input;
 use lemons_core::trial::{BODY_MASS_INDEX, Problem, Problems};
 use lemons_core::xml::decimal;
 use std::borrow::Cow;
@@ -63,27 +62,10 @@ fn text(bytes: &[u8]) -> Cow<'_, str> {
 }
 
 impl Survey {
-    /// Reads the public files, or tables with the same columns. Without a file for a sex, the survey has no people of
-    /// that sex.
+    /// Adds the people of one sex from the content of a public file, or of a table with the same columns.
     ///
     /// # Errors
-    /// The first file that cannot be read or lacks a column; or else all cells that are not a measure, with their
-    /// places.
-    pub fn read(men: Option<&Path>, women: Option<&Path>) -> Result<Survey> {
-        let mut survey = Survey::default();
-        for (sex, file) in [(Sex::Male, men), (Sex::Female, women)] {
-            if let Some(file) = file {
-                let unreadable = |error| of_file(file, format_args!("cannot be read: {error}"));
-                survey.add(sex, file, &input::read(file, input::LARGEST_SETTINGS).map_err(unreadable)?)?;
-            }
-        }
-        Ok(survey)
-    }
-
-    /// Adds the people of one sex from the content of a file.
-    ///
-    /// # Errors
-    /// As those of [`Survey::read`].
+    /// It lacks a column; or else all cells that are not a measure, with their places.
     pub fn add(&mut self, sex: Sex, file: &Path, content: &[u8]) -> Result<()> {
         let csv_error = |error| of_file(file, format_args!("is not CSV: {error}"));
         let content = text(content);
@@ -256,7 +238,5 @@ mod tests {
             message(b"stature,bideltoidbreadth,chestdepth,stature,weightkg\n"),
             "male.csv: has more than one column \"stature\""
         );
-        let missing = Survey::read(Some(Path::new("no such file")), None).unwrap_err();
-        assert!(missing.to_string().starts_with("no such file: cannot be read: "));
     }
 }

@@ -1,4 +1,4 @@
-//! Why a scenario cannot be made.
+//! Errors of scenarios.
 
 use lemons_people::PeopleError;
 
@@ -11,7 +11,7 @@ pub enum ScenarioError {
     /// A value that is not possible: what, and why.
     #[error("{0}")]
     Impossible(String),
-    /// A text that is no TOML, or has unknown keys or values of another type.
+    /// A file that cannot be read, is no TOML, or has unknown keys or values of another type.
     #[error("{0}")]
     Toml(String),
     /// More people than fit.

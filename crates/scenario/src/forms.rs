@@ -105,7 +105,7 @@ impl RegionForm {
     }
 }
 
-/// How a drawing is read.
+/// Reading of a drawing.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DrawingForm {
@@ -115,11 +115,11 @@ pub struct DrawingForm {
     pub close: Option<f64>,
     /// \[m\] Largest distance of the straight pieces of a curve from it.
     pub deviation: Option<f64>,
-    /// Whether the lower left corner of all walls goes to the origin.
+    /// True if the lower left corner of all walls goes to the origin.
     pub origin: bool,
     /// The layers that are walls.
     pub walls: Vec<String>,
-    /// Whether the room is what walls enclose.
+    /// True if the room is what walls enclose.
     pub enclosed: bool,
     /// Layers whose closed lines are obstacles.
     pub obstacles: Vec<String>,
@@ -202,7 +202,7 @@ pub(crate) fn shares(mix: &BTreeMap<String, Share>) -> Result<BTreeMap<String, f
     Ok(mix.iter().map(share).collect())
 }
 
-/// Which way people face.
+/// Orientation of people.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum OrientationName {
@@ -226,21 +226,5 @@ impl OrientationName {
             OrientationName::Fixed => "fixed",
             OrientationName::Towards => "towards",
         }
-    }
-}
-
-/// Names of packing algorithms.
-pub(crate) mod method {
-    use lemons_people::placing::Method;
-    use serde::{Deserialize, Deserializer, Serializer, de::Error};
-
-    pub fn serialize<S: Serializer>(method: &Method, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(method.name())
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Method, D::Error> {
-        let name = String::deserialize(from)?;
-        let found = Method::ALL.into_iter().find(|method| method.name() == name);
-        found.ok_or_else(|| D::Error::unknown_variant(&name, &["dense", "paper", "grid"]))
     }
 }

@@ -1,4 +1,4 @@
-//! What people decide: the `decision.toml` of a scenario.
+//! Decisions of people: the `decision.toml` of a scenario.
 
 use crate::Scenario;
 use crate::error::{Result, ScenarioError, impossible};
@@ -14,6 +14,14 @@ use lemons_people::Agent;
 use lemons_people::drawing::{self, Read};
 
 impl Scenario {
+    /// Returns whether somebody walks without `leave`.
+    fn walks(&self) -> bool {
+        let DecisionConfig { waypoints, ways, exits, goals, agents, .. } = &self.decision;
+        let own = |own: &AgentConfig| own.waypoints.is_some() || own.exit.is_some() || own.goal.is_some();
+        let all = waypoints.is_some() || ways.is_some() || exits.is_some() || goals.is_some();
+        all || agents.values().any(own)
+    }
+
     /// Checks what is said of people who leave.
     pub(crate) fn check_leaving(&self) -> Result<()> {
         let DecisionConfig { model, start, push, groups, balance, .. } = &self.decision;
@@ -23,13 +31,7 @@ impl Scenario {
             ("groups", groups.is_some()),
             ("start", start.is_some()),
         ];
-        let DecisionConfig { waypoints, ways, exits, goals, agents, .. } = &self.decision;
-        let own = |own: &AgentConfig| own.waypoints.is_some() || own.exit.is_some() || own.goal.is_some();
-        let walks = waypoints.is_some()
-            || ways.is_some()
-            || exits.is_some()
-            || goals.is_some()
-            || agents.values().any(own);
+        let walks = self.walks();
         if let Some((key, _)) =
             only_leaving.into_iter().find(|(_, given)| *given).filter(|_| !self.leave && !walks)
         {
@@ -79,6 +81,9 @@ impl Scenario {
             config.seed.get_or_insert(self.seed);
         }
         if !self.leave {
+            if self.walks() {
+                config = config.with_speeds(own_speeds(agents, trial));
+            }
             return (config != DecisionConfig::default()).then_some(config);
         }
         if config.balance.is_some() {

@@ -50,13 +50,13 @@ pub struct Scenario {
     pub sides: Option<Pair>,
     /// A Geometry.xml or a drawing.
     pub geometry: Option<PathBuf>,
-    /// How the drawing is read.
+    /// Reading of the drawing.
     pub drawing: DrawingForm,
     /// Corners of a room, with its doors.
     pub room: Option<Room>,
     /// \[m\], \[s\] Doors that are cut into closed walls: x, y, width, and the times at which they open and close.
     pub doors: Vec<DoorForm>,
-    /// Where people stand; without one, in the whole room, or on the distributions of a drawing.
+    /// Places where people stand; without one, in the whole room, or on the distributions of a drawing.
     pub regions: Vec<RegionForm>,
     /// Number of people.
     pub number: Option<u32>,
@@ -72,31 +72,30 @@ pub struct Scenario {
     pub pedestrians: Option<f64>,
     /// Shares of kinds of people; empty: those of the statistics, else adults with nothing.
     pub mix: BTreeMap<String, Share>,
-    /// How people are placed.
-    #[serde(with = "forms::method")]
+    /// Packing algorithm.
     pub packing: Method,
-    /// Which way people face; if it is not said, any way, or `towards` the direction if there is one.
+    /// Orientation of people; if it is not said, any way, or `towards` the direction if there is one.
     pub orientation: Option<OrientationName>,
     /// \[°\] Direction.
     pub direction: Option<f64>,
-    /// Whether people may overlap at the start.
+    /// True if people may overlap at the start.
     pub allow_overlap: bool,
     /// Material of everybody: one of [`SKINS`].
     pub material: String,
     /// Kinetic friction of people with each other and with walls, instead of the material's.
     pub friction: Option<f64>,
-    /// Whether each body is one disk, of the same area.
+    /// True if each body is one disk, of the same area.
     pub round: bool,
     /// \[s\] Communication step.
     pub time_step: f64,
     /// \[m/s\] Desired speed of everybody who leaves, instead of the usual one and those of kinds; or the speed that
     /// everybody would reach alone, pushing along the direction.
     pub speed: Option<f64>,
-    /// Whether everybody leaves, by doors, by the exits of `decision`, or by those of the drawing.
+    /// True if everybody leaves, by doors, by the exits of `decision`, or by those of the drawing.
     pub leave: bool,
     /// Pushes.
     pub pushes: Vec<Push>,
-    /// More of what people do, as in `decision.toml`.
+    /// Further keys of what people do, as in `decision.toml`.
     pub decision: DecisionConfig,
 }
 
@@ -132,14 +131,14 @@ impl Default for Scenario {
     }
 }
 
-/// What was made of a scenario.
+/// Documents that were made of a scenario.
 #[derive(Debug)]
 pub struct Made {
     /// The Trial.
     pub trial: Trial,
     /// Everybody, in the order of the Trial.
     pub agents: Vec<Agent>,
-    /// Who was placed how.
+    /// Placing of the people.
     pub crowd: Crowd,
     /// The room.
     pub place: Place,
@@ -147,7 +146,7 @@ pub struct Made {
     pub drive: String,
     /// Its decision.toml, and what it becomes.
     pub decision: Option<(DecisionConfig, Plan)>,
-    /// What is probably not meant, and what was chosen.
+    /// Notes of what is probably not meant, and of what was chosen.
     pub notes: Vec<String>,
 }
 
@@ -157,9 +156,9 @@ impl Scenario {
     /// # Errors
     /// The file cannot be read, is not TOML, or has unknown keys or values of another type.
     pub fn read(files: &dyn Source, path: &Path) -> Result<Scenario> {
-        let named = |why: String| ScenarioError::Impossible(format!("{}: {why}", path.display()));
-        let text =
-            files.read_text(path, input::LARGEST_SETTINGS).map_err(|error| named(error.to_string()))?;
+        let named = |why: String| ScenarioError::Toml(format!("{}: {why}", path.display()));
+        let text = files.read_text(path, input::LARGEST_SETTINGS);
+        let text = text.map_err(|error| named(error.to_string()))?;
         let mut read = Scenario::from_toml(&text).map_err(|error| named(error.to_string()))?;
         let directory = path.parent().unwrap_or(Path::new(""));
         read.each_path(|path| *path = directory.join(&*path));

@@ -1,4 +1,4 @@
-//! Who is drawn, where they are placed, and the Trial of them.
+//! People: drawn, placed, and made a Trial.
 
 use crate::error::{Of, Result, ScenarioError, impossible, require};
 use crate::forms::{self, OrientationName};
@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
-/// Whom people are drawn from.
+/// Source of people.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum People {
@@ -89,7 +89,7 @@ impl People {
     }
 }
 
-/// How a crowd was placed.
+/// Placing of a crowd.
 #[derive(Debug, Clone)]
 pub struct Crowd {
     /// The placing of all, in the order of the people.

@@ -1,4 +1,4 @@
-//! Where people stand: the walls of the room, its doors, and the ground that walls leave.
+//! Ground where people stand: the walls of the room, its doors, and the ground that walls leave.
 
 use crate::error::{Of, Result, ScenarioError, impossible, require};
 use crate::forms::{Pair, RegionForm};

@@ -97,6 +97,10 @@ fn what_cannot_be_is_said_with_its_key() {
         ("number = 3\nbox = [5, 5]\n[decision]\npush = 9", "`push`: nobody walks without `leave`"),
         ("number = 3\nbox = [5, 5]\nmix = { adlt = 1 }", "`mix`: there is no kind \"adlt\""),
         ("number = 3\ngeometry = \"gone.xml\"", "gone.xml"),
+        (
+            "number = 3\nbox = [5, 5]\npeople = { kind = \"tables\", male = \"no.csv\" }",
+            "no.csv: cannot be read",
+        ),
         ("number = 3\ndrawing = { origin = true }\nbox = [5, 5]", "`drawing` is for drawings"),
         ("number = 3\nbox = [5, 5]\nfriction = 3", "`friction` = 3: must be from 0 to 2"),
         ("number = 90\nbox = [3, 3]", "90 people do not fit on 9.00 m² without overlap; about "),

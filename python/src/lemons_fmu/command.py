@@ -70,7 +70,8 @@ def _each(value: Sequence[Single] | Sequence[Sequence[Single]]) -> list[Sequence
 
 
 def call(words: Sequence[str | os.PathLike[str]], held: Run | Path | None = None) -> Made:
-    """Calls a command; `held` is its operand, if that is a run in memory, or a database in the place of the file that is named. What it notes becomes warnings.
+    """Calls a command; `held` is its operand, if that is a run in memory, or a database in the place of the file that is named.
+    What it notes becomes warnings.
 
     Raises:
         CommandError: it fails.

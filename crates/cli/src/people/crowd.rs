@@ -180,13 +180,18 @@ struct Words<'a>(Option<&'a Path>);
 impl Words<'_> {
     /// A text about a scenario, in which keys are between backticks.
     fn text(self, text: &str) -> String {
-        let Some(file) = self.0 else {
-            return named(text, |key| {
-                let other = OPTIONS.iter().find(|(own, _)| *own == key);
-                format!("--{}", other.map_or(key, |(_, option)| option).replace('_', "-"))
-            });
-        };
-        format!("{}: {text}", file.display())
+        self.0.map_or_else(|| self.note(text), |file| format!("{}: {text}", file.display()))
+    }
+
+    /// The same without the file's name.
+    fn note(self, text: &str) -> String {
+        if self.0.is_some() {
+            return text.to_owned();
+        }
+        named(text, |key| {
+            let other = OPTIONS.iter().find(|(own, _)| *own == key);
+            format!("--{}", other.map_or(key, |(_, option)| option).replace('_', "-"))
+        })
     }
 
     fn error(self, error: ScenarioError) -> anyhow::Error {
@@ -263,7 +268,7 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
         say_drawn(read, path);
     }
     let place = scenario.place(&Disk, drawn).map_err(told)?;
-    place.notes.iter().for_each(|said| note!("{}", words.text(said)));
+    place.notes.iter().for_each(|said| note!("{}", words.note(said)));
     let numbers = scenario.numbers(&place).map_err(told)?;
     let settings = scenario.settings();
     if let Some(directory) = &trial.output {
@@ -342,7 +347,7 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
             writeln!(out, "mechanical step    {step:>10} {note}")?;
             let mut notes = Vec::new();
             let decision = scenario.decision(&agents, &made, &place, &mut notes);
-            notes.iter().for_each(|said| note!("{}", words.text(said)));
+            notes.iter().for_each(|said| note!("{}", words.note(said)));
             if let Some(config) = &decision {
                 // A run would refuse it.
                 let plan = scenario.plan(&made, config).map_err(told)?;
@@ -462,7 +467,7 @@ impl Arguments {
         scenario.seed = self.seed.unwrap_or(scenario.seed);
         self.source.fill(&mut scenario)?;
         self.placing.fill(&mut scenario)?;
-        self.leaving.fill(&mut scenario);
+        self.leaving.fill(&mut scenario)?;
         let TrialArguments { material, speed, time_step, .. } = &self.trial;
         scenario.material = material.clone().unwrap_or(scenario.material);
         scenario.speed = speed.or(scenario.speed);

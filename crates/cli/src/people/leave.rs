@@ -1,7 +1,9 @@
 //! `--leave` and the options that need it: the `decision.toml` of a crowd.
 
 use super::named;
+use crate::error::Misused;
 use crate::numbers::{array, within};
+use anyhow::{Result, bail};
 use lemons_core::distribution::{Distribution, Range};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_decision::{BalanceName, GroupsConfig, Spread, TargetConfig, WalkingModelName};
@@ -29,28 +31,26 @@ pub struct LeaveArguments {
         long = "exit",
         value_name = "X1,Y1,X2,Y2",
         value_parser = exit,
-        allow_hyphen_values = true,
-        requires = "leave"
+        allow_hyphen_values = true
     )]
     exits: Vec<[Vec2; 2]>,
     /// How people walk around others. straight: not at all. Default: rotational
     #[arg(
         long,
-        value_parser = named(&MODELS, WalkingModelName::name),
-        requires = "leave"
+        value_parser = named(&MODELS, WalkingModelName::name)
     )]
     model: Option<WalkingModelName>,
     /// Greatest force with which people push ahead, in N: of everybody, or the mean and the standard
     /// deviation of a normal distribution, as in 150,50. With rotational, squeezes hardly grow with it above
     /// 150 N (docs/walking.md). Default: no limit
-    #[arg(long, value_name = "FORCE[,SD]", value_parser = push, requires = "leave")]
+    #[arg(long, value_name = "FORCE[,SD]", value_parser = push)]
     push: Option<[f64; 2]>,
     /// Part of the people who walk in groups of two to four, as families do (docs/walking.md), from 0 to 1
-    #[arg(long, value_name = "SHARE", value_parser = within(0.0, 1.0, ""), requires = "leave")]
+    #[arg(long, value_name = "SHARE", value_parser = within(0.0, 1.0, ""))]
     groups: Option<f64>,
     /// When people start to walk, in s: all at a time, or each at a time of its own from FROM to TO, all as
     /// likely (premovement times). They stand before. Default: at once
-    #[arg(long, value_name = "TIME|FROM,TO", value_parser = start, requires = "leave")]
+    #[arg(long, value_name = "TIME|FROM,TO", value_parser = start)]
     start: Option<Spread>,
     /// How people who stand keep their balance, when they are pushed (docs/balance.md). Without --leave:
     /// everybody stands
@@ -87,8 +87,14 @@ impl LeaveArguments {
     }
 
     /// Fills in what is given.
-    pub fn fill(&self, scenario: &mut Scenario) {
+    ///
+    /// # Errors
+    /// There are exits, and nobody leaves.
+    pub fn fill(&self, scenario: &mut Scenario) -> Result<()> {
         scenario.leave |= self.leave;
+        if !scenario.leave && !self.exits.is_empty() {
+            bail!(Misused("--exit: nobody walks without --leave".into()));
+        }
         let decision = &mut scenario.decision;
         if !self.exits.is_empty() {
             let exit = |(k, line): (usize, &[Vec2; 2])| TargetConfig {
@@ -108,5 +114,6 @@ impl LeaveArguments {
         }
         decision.start = self.start.or(decision.start);
         decision.balance = self.balance.or(decision.balance);
+        Ok(())
     }
 }
