@@ -88,6 +88,12 @@ ROOMS = "for width in 0.8 1.2; do for seed in 1 2; do lemons crowd --number 20 -
 FILES = {
     ("docs/balance.md", 'balance = "pendulum"'): ("legs/decision.toml", "", "lemons check legs", {}),
     ("docs/people.md", "[mix]"): ("kinds.toml", "", "lemons crowd --number 20 --box 6x6 --custom kinds.toml", {}),
+    ("docs/reference/scenario.md", "box = [10, 8]                                # [m]"): (
+        "hall.toml",
+        "",
+        "lemons crowd --scenario hall.toml -o hall",
+        {},
+    ),
     ("docs/guide/first-half-hour.md", '<?xml version="1.0" encoding="UTF-8"?>'): ("Geometry.xml", "", "", {}),
     ("docs/guide/sweeps.md", 'trial = "resources/Trial_push"'): ("sweep.toml", "", "", {}),
     ("docs/guide/sweeps.md", 'trial = "room_{width}_{seed}"'): ("rooms.toml", "", "lemons sweep rooms.toml", {}),

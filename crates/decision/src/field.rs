@@ -87,6 +87,13 @@ pub struct Doors {
     beside: HashMap<usize, Vec<[Vec2; 2]>>,
 }
 
+impl Doors {
+    /// Returns whether one of them lies between two places, open or not.
+    pub fn are_between(&self, from: Vec2, to: Vec2) -> bool {
+        self.all.iter().flatten().any(|[a, b]| segments_touch(from, to, *a, *b))
+    }
+}
+
 impl Grid {
     /// Makes a grid that contains these places and walls, given as polylines.
     ///
@@ -225,25 +232,6 @@ impl Grid {
             let [a, b] = self.faces[face as usize];
             segments_touch(from, to, a, b) || (nearest_on_segment(a, b, to) - to).norm() < ON_WALL
         })
-    }
-
-    /// \[m\] Returns how far from all walls one can be in the area of a ring with this middle, at most `most`.
-    pub fn clearance(&self, ring: &Ring, middle: Vec2, most: f64) -> f64 {
-        let away = |at: Vec2| {
-            let near = self.nodes_in(Bounds { low: at, high: at }.grown(most));
-            let faces = near.filter_map(|node| self.beside.get(&node)).flatten();
-            let faces = faces.map(|face| self.faces[*face as usize]);
-            faces.map(|[a, b]| (nearest_on_segment(a, b, at) - at).norm()).fold(most, f64::min)
-        };
-        let along = |(a, b): (Vec2, Vec2)| {
-            let count = ((b - a).norm() / self.step) as usize + 1;
-            (0..count).map(move |k| a + (b - a) * (k as f64 / count as f64))
-        };
-        let mut places = std::iter::once(middle).chain(ring.sides().flat_map(along)).map(away);
-        // One that is far enough will do.
-        let found =
-            places.try_fold(0.0, |best: f64, far| if far < most { Ok(best.max(far)) } else { Err(far) });
-        found.unwrap_or_else(|far| far)
     }
 
     /// Returns whether somebody can be at some lines, or in some areas.

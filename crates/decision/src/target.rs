@@ -179,9 +179,6 @@ pub struct Ways {
     grid: Grid,
     shapes: Vec<Shape>,
     stay: Vec<bool>,
-    /// \[m\] How far from walls one can be in each exit that is an area, at most [`WIDEST`]: bodies get no nearer to a wall
-    /// than they are large.
-    clearance: Vec<f64>,
     /// Distances to each target, if somebody goes there.
     to_each: Vec<Option<Field>>,
     /// Distances to the nearest exit, if somebody goes there.
@@ -229,13 +226,8 @@ impl Ways {
         let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
         let to_nearest = wanted.contains(&Destination::NearestExit).then(|| field(&exits));
         let stay = targets.iter().map(|target| target.stay).collect();
-        let clearance = |(shape, target): (&Shape, &Target)| match shape {
-            Shape::Area(ring, middle) if !target.stay => grid.clearance(ring, *middle, WIDEST),
-            _ => WIDEST,
-        };
-        let clearance = shapes.iter().zip(targets).map(clearance).collect();
         let (widths, doors, gates) = Default::default();
-        Ok(Ways { grid, shapes, stay, clearance, to_each, to_nearest, widths, doors, gates })
+        Ok(Ways { grid, shapes, stay, to_each, to_nearest, widths, doors, gates })
     }
 
     /// Measures how wide the ways to each target are.
@@ -321,23 +313,39 @@ impl Ways {
         self.field(to).map_or(f64::INFINITY, |field| self.grid.distance(field, at))
     }
 
-    /// Returns whether somebody who walked from one place to another has arrived; if it is an exit that is `open`, to leave. Of
-    /// an area along a wall, who gets no nearer with a `body` of this radius \[m\] is there.
+    /// Returns whether somebody who walked from one place to another has arrived; if it is an exit that is `open`, to leave.
+    /// Who gets no nearer to an area with a `body` of this radius \[m\], because of a wall behind its rim, is there.
     pub fn arrived(
         &self,
         to: Destination,
         from: Vec2,
         at: Vec2,
-        body: f64,
+        body: impl Fn() -> f64,
         open: impl Fn(usize) -> bool,
     ) -> Option<Arrival> {
         let holds = |k: &usize| {
-            let (shape, reach) = (&self.shapes[*k], body.clamp(NEAR, WIDEST) - self.clearance[*k]);
-            let is_near = |place: Vec2| (place - at).norm() <= reach && self.grid.sees(at, place);
-            open(*k) && (shape.holds(from, at, self.stay[*k]) || reach > 0.0 && is_near(shape.nearest(at)))
+            let (shape, stay) = (&self.shapes[*k], self.stay[*k]);
+            let is_near = || match shape {
+                Shape::Area(..) if !stay => self.is_stopped_at(shape.nearest(at), at, &body),
+                _ => false,
+            };
+            open(*k) && (shape.holds(from, at, stay) || is_near())
         };
         let target = self.targets(to).find(holds)?;
         Some(if self.stay[target] { Arrival::Stays } else { Arrival::Leaves })
+    }
+
+    /// Returns whether a wall keeps a body from a place that it touches: one that it reaches behind the place, and none
+    /// before it. Doors that open and close count as walls before it.
+    fn is_stopped_at(&self, place: Vec2, at: Vec2, body: impl Fn() -> f64) -> bool {
+        let way = place - at;
+        let far = way.norm();
+        if far > WIDEST {
+            return false;
+        }
+        let reach = body().clamp(NEAR, WIDEST);
+        let stopped = || way.unit(1e-9).is_some_and(|way| !self.grid.sees(at, at + way * reach));
+        far <= reach && self.grid.sees(at, place) && !self.doors.are_between(at, place) && stopped()
     }
 
     /// Returns which way to go. Where the grid knows none (behind a wall, or far outside), straight on. In front of a `closed`
@@ -408,7 +416,7 @@ mod tests {
         let (beside, on) = (vec2(3.0, 1.0), vec2(2.0, 2.0));
         let people = [beside, on].map(|at| (at, Destination::NearestExit));
         let ways = Ways::new(&[], &[exit], people.into_iter()).unwrap();
-        let arrived = |at| ways.arrived(Destination::NearestExit, at, at, 0.2, |_| true);
+        let arrived = |at| ways.arrived(Destination::NearestExit, at, at, || 0.2, |_| true);
         assert_eq!((arrived(beside), arrived(on)), (None, Some(Arrival::Leaves)));
     }
 
@@ -421,16 +429,43 @@ mod tests {
             let exit = Target { name: "a".into(), stay: false, corners, open: None, time_factor: 1.0 };
             let people = std::iter::once((at, Destination::NearestExit));
             let ways = Ways::new(std::slice::from_ref(&wall), &[exit], people).unwrap();
-            ways.arrived(Destination::NearestExit, at, at, body, |_| true).is_some()
+            ways.arrived(Destination::NearestExit, at, at, || body, |_| true).is_some()
         };
         for depth in [0.06, 0.15, 0.25] {
-            assert_eq!([9.71, 9.69].map(|x| left(depth, 0.2, vec2(x, 4.0))), [true, false], "{depth}");
+            assert_eq!([9.71, 9.68].map(|x| left(depth, 0.2, vec2(x, 4.0))), [true, false], "{depth}");
             // Beside its end, and behind the wall.
             assert!(!left(depth, 0.2, vec2(9.8, 6.3)) && !left(depth, 0.2, vec2(10.05, 4.0)));
         }
         // A wheelchair.
-        assert_eq!([9.36, 9.34].map(|x| left(0.15, 0.65, vec2(x, 4.0))), [true, false]);
+        assert_eq!([9.36, 9.33].map(|x| left(0.15, 0.65, vec2(x, 4.0))), [true, false]);
         // Where bodies get into the area, they have to.
         assert_eq!([9.51, 9.49].map(|x| left(0.5, 0.2, vec2(x, 4.0))), [true, false]);
+    }
+
+    /// The outside: by hand. Walls beside the way into an area stop nobody, and a door that opens and closes is a wall.
+    #[test]
+    fn an_area_is_reached_early_only_where_a_wall_stops_who_goes_to_it() {
+        let left = |walls: &[Vec<Vec2>], doors: &[[Vec2; 2]], [x, y, right, top]: [f64; 4], at: Vec2| {
+            let corners = vec![[x, y], [right, y], [right, top], [x, top]];
+            let exit = Target { name: "a".into(), stay: false, corners, open: None, time_factor: 1.0 };
+            let people = std::iter::once((at, Destination::NearestExit));
+            let mut ways = Ways::new(walls, &[exit], people).unwrap();
+            ways.doors = ways.grid.doors(vec![doors.to_vec()]);
+            ways.arrived(Destination::NearestExit, at, at, || 0.8, |_| true).is_some()
+        };
+        let line = |ends: [[f64; 2]; 2]| ends.map(Vec2::from).to_vec();
+        // A corridor of 1 m, and its end.
+        let corridor = [line([[6.0, 1.5], [9.0, 1.5]]), line([[6.0, 2.5], [9.0, 2.5]])];
+        let area = [8.0, 1.5, 9.0, 2.5];
+        assert!(!left(&corridor, &[], area, vec2(7.9, 2.0)) && left(&corridor, &[], area, vec2(8.1, 2.0)));
+        // Across a wall, and past a corner of the room.
+        let room = [[[8.0, 0.0], [8.0, 6.0]], [[8.0, 6.0], [0.0, 6.0]]].map(line);
+        assert!(left(&room, &[], [7.9, 1.0, 10.0, 5.0], vec2(7.7, 3.0)));
+        assert!(left(&room, &[], [7.92, 0.5, 8.0, 7.5], vec2(7.7, 3.0)));
+        // A niche behind a door.
+        let niche = [line([[8.1, 2.0], [8.1, 4.0]])];
+        let door = [[[8.0, 2.0], [8.0, 4.0]].map(Vec2::from)];
+        let area = [8.02, 2.0, 8.1, 4.0];
+        assert!(left(&niche, &[], area, vec2(7.8, 3.0)) && !left(&niche, &door, area, vec2(7.8, 3.0)));
     }
 }

@@ -158,10 +158,10 @@ fn told(error: ScenarioError) -> Refused {
 /// As those of [`Scenario::read`] and [`Scenario::documents`].
 pub fn of_file(path: &Path, files: &Memory, watch: &mut Watch) -> Result<Basis, Refused> {
     let scenario = Scenario::read(files, path).map_err(told)?;
-    within("seed", scenario.seed as f64, [0.0, LARGEST_SEED as f64])?;
-    scenario.room.iter().try_for_each(|room| room::check_drawn(room, None))?;
-    let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let named = |Refused(why)| Refused(format!("{}: {why}", path.display()));
+    within("seed", scenario.seed as f64, [0.0, LARGEST_SEED as f64]).map_err(named)?;
+    scenario.room.iter().try_for_each(|room| room::check_drawn(room, None)).map_err(named)?;
+    let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     made(&scenario, name, files, watch).map_err(named)
 }
 

@@ -14,8 +14,6 @@ mod geojson;
 mod join;
 mod pieces;
 mod plan;
-#[cfg(test)]
-mod plans;
 mod proposal;
 mod read;
 mod sort;

@@ -54,7 +54,7 @@ pub enum ScenarioError {
 pub type Result<T, E = ScenarioError> = std::result::Result<T, E>;
 
 /// Keys that stand between backticks in messages.
-const KEYS: [&str; 32] = [
+const KEYS: [&str; 36] = [
     "allow_overlap",
     "balance",
     "box",
@@ -64,6 +64,10 @@ const KEYS: [&str; 32] = [
     "direction",
     "doors",
     "drawing",
+    "drawing.close",
+    "drawing.deviation",
+    "drawing.unit",
+    "drawing.widest",
     "exits",
     "friction",
     "geometry",

@@ -156,13 +156,21 @@ impl Scenario {
     /// # Errors
     /// The file cannot be read, is not TOML, or has unknown keys or values of another type.
     pub fn read(files: &dyn Source, path: &Path) -> Result<Scenario> {
-        let named = |why: String| ScenarioError::Toml(format!("{}: {why}", path.display()));
-        let text = files.read_text(path, input::LARGEST_SETTINGS);
-        let text = text.map_err(|error| named(error.to_string()))?;
-        let mut read = Scenario::from_toml(&text).map_err(|error| named(error.to_string()))?;
+        let mut read = Scenario::read_as_it_is(files, path)?;
         let directory = path.parent().unwrap_or(Path::new(""));
         read.each_path(|path| *path = directory.join(&*path));
         Ok(read)
+    }
+
+    /// Reads a file as [`Scenario::read`] does, but leaves the paths in it as they are.
+    ///
+    /// # Errors
+    /// Those of [`Scenario::read`].
+    pub fn read_as_it_is(files: &dyn Source, path: &Path) -> Result<Scenario> {
+        let named = |why: String| ScenarioError::Toml(format!("{}: {why}", path.display()));
+        let text = files.read_text(path, input::LARGEST_SETTINGS);
+        let text = text.map_err(|error| named(error.to_string()))?;
+        Scenario::from_toml(&text).map_err(|error| named(error.to_string()))
     }
 
     /// Reads TOML.
@@ -223,13 +231,14 @@ impl Scenario {
         };
         let mut table =
             toml::Table::try_from(self).map_err(|error| ScenarioError::Impossible(error.to_string()))?;
-        let (tables, last) = key.rsplit_once('.').map_or((None, key), |(tables, last)| (Some(tables), last));
+        let mut names = names(key).ok_or_else(|| impossible(format!("{key}: must be a key, as in TOML")))?;
+        let last = names.pop().unwrap_or_default();
         let mut place = &mut table;
-        for name in tables.iter().flat_map(|tables| tables.split('.')) {
-            let inner = place.entry(name).or_insert_with(|| toml::Table::new().into());
+        for name in names {
+            let inner = place.entry(&name).or_insert_with(|| toml::Table::new().into());
             place = inner.as_table_mut().ok_or_else(|| impossible(format!("{name} is no table")))?;
         }
-        place.insert(last.to_owned(), value);
+        place.insert(last, value);
         Scenario::from_table(table)
     }
 
@@ -331,6 +340,24 @@ impl Scenario {
             Kinds::built_in()?.mix(&shares).of(|| "`mix`".into())?;
         }
         Ok(())
+    }
+}
+
+/// Returns the parts of a dotted key of TOML; `None` if it is none.
+fn names(key: &str) -> Option<Vec<String>> {
+    if key.contains(['\n', '\r']) {
+        return None;
+    }
+    let mut table = toml::from_str::<toml::Table>(&format!("{key} = true")).ok()?;
+    let mut names = Vec::new();
+    loop {
+        let (name, value) = table.into_iter().next()?;
+        names.push(name);
+        match value {
+            toml::Value::Table(inner) => table = inner,
+            toml::Value::Boolean(true) => return Some(names),
+            _ => return None,
+        }
     }
 }
 

@@ -272,6 +272,8 @@ impl Scenario {
             packing.poses.extend(next.poses);
             packing.density = packing.poses.len() as f64 / place.area();
             packing.largest_overlap = packing.largest_overlap.max(next.largest_overlap);
+            packing.iterations += next.iterations;
+            packing.complete &= next.complete;
         }
         Ok(Crowd { packing, densities, shapes })
     }

@@ -74,7 +74,13 @@ fn keys_are_set_by_name() {
     assert_eq!(set.mix.len(), 1);
     assert_eq!(set.decision.groups.unwrap().share, Some(0.5));
     assert_eq!(scenario.with("material", "human_soft").unwrap().material, "human_soft");
+    let dotted = scenario.with("decision.agents.\"a.b\".desired_speed", "1.5").unwrap();
+    assert_eq!(dotted.decision.agents["a.b"].desired_speed, Some(1.5));
     for (key, value, words) in [
+        ("number = 3\nseed", "3", "must be a key"),
+        ("seed = 5 #", "3", "must be a key"),
+        ("[decision]\npush", "3", "must be a key"),
+        ("number", "3\nseed = 4", "invalid type: string"),
         ("wheels", "3", "unknown field `wheels`"),
         ("number", "many", "invalid type: string \"many\""),
         ("number.more", "3", "number is no table"),

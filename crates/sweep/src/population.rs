@@ -31,6 +31,16 @@ impl<'de> Deserialize<'de> for Population {
         let has_leave = table.contains_key("leave");
         let mut scenario = Scenario::from_table(table).map_err(|error| D::Error::custom(wrong(error)))?;
         for (key, to, value) in walking {
+            let given = scenario.decision.clone();
+            let twice = [
+                ("model", given.model.is_some()),
+                ("start", given.start.is_some()),
+                ("groups", given.groups.is_some()),
+                ("push", given.push.is_some()),
+            ];
+            if twice.contains(&(key, true)) {
+                return Err(D::Error::custom(format!("{key}: is in decision, too: give it once")));
+            }
             let set = scenario.with(&format!("decision.{to}"), &value.to_string());
             scenario = set.map_err(|error| D::Error::custom(format!("{key}: {error}")))?;
         }
@@ -54,22 +64,26 @@ impl Population {
     /// # Errors
     /// Those of [`Scenario::read`].
     pub fn read(path: &Path) -> Result<Population> {
-        let scenario = Scenario::read(&Disk, path).map_err(wrong)?;
-        // Its own paths begin there already; those of parameters do, too.
-        Ok(Population(scenario, path.parent().unwrap_or(Path::new("")).to_owned()))
+        let scenario = Scenario::read_as_it_is(&Disk, path).map_err(wrong)?;
+        Ok(Population(scenario, PathBuf::new()).within(path.parent().unwrap_or(Path::new(""))))
     }
 
-    /// Finds files in a directory.
-    pub fn within(mut self, directory: &Path) -> Population {
-        self.0.each_path(|path| *path = directory.join(&*path));
-        self.1 = directory.to_owned();
-        self
+    /// Finds files in a directory, also those that parameters name.
+    pub fn within(self, directory: &Path) -> Population {
+        Population(self.0, directory.to_owned())
+    }
+
+    /// The scenario with paths in the directory.
+    fn found(&self) -> Scenario {
+        let mut found = self.0.clone();
+        found.each_path(|path| *path = self.1.join(&*path));
+        found
     }
 
     /// Returns the paths of files that it is made of.
     pub fn files(&self) -> Vec<PathBuf> {
         let mut files = Vec::new();
-        self.0.clone().each_path(|path| files.push(path.clone()));
+        self.found().each_path(|path| files.push(path.clone()));
         files
     }
 
@@ -112,16 +126,7 @@ impl Population {
         }
         let own = WALKING.iter().find(|(known, _)| *known == key);
         let key = own.map_or_else(|| key.to_owned(), |(_, to)| format!("decision.{to}"));
-        let mut own = self.0.with(&key, value).map_err(wrong)?;
-        if key == "geometry" || key.starts_with("people.") {
-            let before = self.files();
-            own.each_path(|path| {
-                if !before.contains(path) {
-                    *path = self.1.join(&*path);
-                }
-            });
-        }
-        Ok(Population(own, self.1))
+        Ok(Population(self.0.with(&key, value).map_err(wrong)?, self.1))
     }
 
     /// Checks keys and values.
@@ -138,7 +143,7 @@ impl Population {
     /// They do not fit, or cannot leave.
     pub fn documents(&self) -> Result<Documents> {
         let mut watch = |_: &_| ControlFlow::Continue(());
-        let made = self.0.documents("crowd", MOST_PEOPLE, &Disk, &mut watch).map_err(wrong)?;
+        let made = self.found().documents("crowd", MOST_PEOPLE, &Disk, &mut watch).map_err(wrong)?;
         let drive = match made.drive.as_str() {
             "" => DriveTable::default(),
             text => DriveTable::from_csv(text.as_bytes()).map_err(|error| Error::Spec(error.to_string()))?,

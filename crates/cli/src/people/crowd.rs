@@ -165,7 +165,11 @@ fn altitudes(wanted: &[Altitude], agents: &[Agent]) -> Vec<f64> {
 }
 
 /// Options of keys of a scenario that have another name.
-const OPTIONS: [(&str, &str); 5] = [
+const OPTIONS: [(&str, &str); 9] = [
+    ("drawing.close", "close"),
+    ("drawing.deviation", "deviation"),
+    ("drawing.unit", "unit"),
+    ("drawing.widest", "widest"),
     ("doors", "door"),
     ("regions", "region"),
     ("exits", "exit"),

@@ -7,8 +7,6 @@ use serde::{Deserialize, Serialize};
 const LATEST: f64 = 1e9;
 /// Largest number of pairs.
 const MOST: usize = 1000;
-/// \[s\] For what does not open any more: no run lasts so long.
-const NEVER: [f64; 2] = [LATEST - 1.0, LATEST];
 
 /// Times \[s\] from and to which something is open: at least one pair, as [`OpeningTimes::RULE`] says. What has none is an
 /// `Option` of them: `None` of an exit or of a gap in a wall is always open, `None` of a wall never is.
@@ -79,9 +77,20 @@ impl OpeningTimes {
     /// \[s\].
     #[must_use]
     pub fn since(&self, start: f64, step: f64) -> OpeningTimes {
-        let later = self.0.iter().map(|pair| pair.map(|time| (time - start).max(0.0)));
-        let later: Vec<_> = later.filter(|[from, to]| to - from >= step).collect();
-        OpeningTimes(if later.is_empty() { vec![NEVER] } else { later })
+        let mut later: Vec<[f64; 2]> = Vec::new();
+        for [from, to] in self.0.iter().map(|pair| pair.map(|time| (time - start).max(0.0))) {
+            // Rounding errors do not make it shorter, or two of one.
+            match later.last_mut() {
+                Some(last) if from <= last[1] => last[1] = to,
+                _ if to > from && to - from >= step - 1e-9 => later.push([from, to]),
+                _ => {}
+            }
+        }
+        if later.is_empty() {
+            // It does not open any more: no run lasts so long.
+            later.push([LATEST - step.max(1.0), LATEST]);
+        }
+        OpeningTimes(later)
     }
 
     /// Returns the same, but it closes so much later \[s\], if it is not open again by then.
@@ -132,7 +141,11 @@ mod tests {
         assert_eq!(seen, [0.0, 5.4, 20.0 - 1e-12, 1e8]);
         assert_eq!(open.since(2.0, 0.1).pairs(), [[0.0, 3.5], [18.0, 1e9 - 2.0]]);
         assert_eq!(open.since(5.45, 0.1).pairs(), [[14.55, 1e9 - 5.45]]);
-        assert_eq!(open.since(1e9, 0.1).pairs(), [NEVER]);
+        assert_eq!(open.since(1e9, 0.1).pairs(), [[1e9 - 1.0, 1e9]]);
+        assert!(open.since(1e9, 2.0).shorter_than(2.0).is_none());
+        // 0.3 - 0.2 is less than 0.1.
+        let short = OpeningTimes::of_numbers(&[0.2, 0.3]).unwrap().since(0.1, 0.1);
+        assert!(short.is_open(0.15) && !short.is_open(0.25), "{short:?}");
         let longer = |by: f64| open.lengthened(by).0;
         assert_eq!((longer(14.0), longer(14.5)), (vec![[0.0, 19.5], [20.0, 1e9]], vec![[0.0, 1e9]]));
         let many = |count: u32| (0..count).map(|k| format!("{},{} ", 2 * k, 2 * k + 1)).collect::<String>();

@@ -71,7 +71,7 @@ impl Decision {
             self.plan.agents[i].destination,
             agent.from(),
             agent.at(),
-            self.plan.agents[i].radius(),
+            || self.plan.agents[i].radius(),
             open,
         )
     }

@@ -12,7 +12,7 @@ use super::{Drawing, Line, Plan, Role, WIDEST_GAP};
 use crate::error::{Result, require};
 use crate::{Door, is_closed};
 use lemons_core::plane::overlay::{self, Contour};
-use lemons_core::plane::{Bounds, Ring, Vec2, convex_hull, vec2};
+use lemons_core::plane::{Bounds, Ring, Vec2, convex_hull, segments_touch, vec2};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -622,7 +622,9 @@ fn is_alone(rim: &Ring, mut walls: impl Iterator<Item = [Vec2; 2]>) -> bool {
     let far = |at: &Vec2| rim.nearest(*at).distance;
     rim.is_upright()
         && walls.all(|ends| {
-            ends.iter().all(|end| far(end) > FRAME) || ends.iter().all(|end| far(end) <= THICKNESS[1])
+            let crosses = || rim.sides().any(|(a, b)| segments_touch(a, b, ends[0], ends[1]));
+            let (near, away) = (|end| far(end) <= THICKNESS[1], |end| far(end) > FRAME);
+            ends.iter().all(near) || (ends.iter().all(away) && !crosses())
         })
 }
 
@@ -660,17 +662,20 @@ fn frame(plan: &Plan, outline: &Ring) -> Option<String> {
     found.is_frame(&rim).then(|| about_frame(&rim))
 }
 
-/// Returns layers that are no walls by their names, such as frames, titles and texts, with the corners of their lines.
-pub(super) fn notes(lines: &[Line]) -> BTreeMap<String, Vec<Vec2>> {
-    let mut notes: BTreeMap<String, Vec<Vec2>> = BTreeMap::new();
+/// Lines of layers, by their corners.
+type Layers = BTreeMap<String, Vec<Vec<Vec2>>>;
+
+/// Returns layers that are no walls by their names, such as frames, titles and texts, with their lines.
+pub(super) fn notes(lines: &[Line]) -> Layers {
+    let mut notes = Layers::new();
     for (_, line) in asked(lines).filter(|(_, line)| of_name(&line.layer) == Some(Sort::Note)) {
-        notes.entry(line.layer.clone()).or_default().extend(&line.corners);
+        notes.entry(line.layer.clone()).or_default().push(line.corners.clone());
     }
     notes
 }
 
-/// Says why the outline of a plan may not be the room; `None` if nothing speaks against it.
-pub(super) fn doubt(plan: &Plan, notes: &BTreeMap<String, Vec<Vec2>>) -> Option<String> {
+/// Says why the outline of a plan may not be the room; `None` if nothing speaks against it. Without notes, it is no frame.
+pub(super) fn doubt(plan: &Plan, notes: Option<&Layers>) -> Option<String> {
     let Some(outline) = plan.outline else {
         return Some("no wall is closed, so nothing is inside".to_owned());
     };
@@ -718,11 +723,14 @@ pub(super) fn doubt(plan: &Plan, notes: &BTreeMap<String, Vec<Vec2>>) -> Option<
              in the walls around the room is open"
         ));
     }
-    let is_on = |corners: &[Vec2]| {
-        let meets = |at: &Vec2| corners.iter().any(|corner| (at + plan.origin - corner).norm() <= SNAP);
-        ring.is_upright() && ring.corners().iter().all(meets)
+    let notes = notes?;
+    let is_on = |lines: &[Vec<Vec2>]| {
+        let has =
+            |line: &[Vec2], at: Vec2| line.iter().any(|corner| (at + plan.origin - corner).norm() <= SNAP);
+        let drawn = |(a, b): (Vec2, Vec2)| lines.iter().any(|line| has(line, a) && has(line, b));
+        ring.is_upright() && ring.sides().all(drawn)
     };
-    if let Some((layer, _)) = notes.iter().find(|(_, corners)| is_on(corners)) {
+    if let Some((layer, _)) = notes.iter().find(|(_, lines)| is_on(lines)) {
         return Some(format!(
             "the outline, wall {outline}, is on layer {layer:?}, which has a frame or notes by its name: --walls takes other layers, or \
              this one"

@@ -59,10 +59,11 @@ impl Read {
             layers.clear();
         }
         let (deviation, close) = (reading.deviation, settings.close);
-        let notes = if settings.walls.is_empty() { proposal::notes(&drawing.lines) } else { BTreeMap::new() };
+        // Who names walls knows that no frame is among them.
+        let notes = settings.walls.is_empty().then(|| proposal::notes(&drawing.lines));
         let plan = Plan::of(drawing, settings)?;
         let is_said = settings.enclosing.is_some() || has_areas || plan.ground.is_some();
-        let doubt = (!is_said).then(|| proposal::doubt(&plan, &notes)).flatten();
+        let doubt = (!is_said).then(|| proposal::doubt(&plan, notes.as_ref())).flatten();
         let layers = layers.into_iter().filter(|(_, role)| role.is_none()).map(|(layer, _)| layer).collect();
         Ok(Read { plan, layers, doubt, format, unit, unit_from, curves, deviation, close })
     }

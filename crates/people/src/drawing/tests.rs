@@ -12,10 +12,11 @@ mod examples;
 mod hostile;
 mod layers;
 mod places;
+mod plans;
 mod svg;
 mod written;
 
-pub(super) const METRES: Reading = Reading { unit: Some(1.0), deviation: DEVIATION };
+const METRES: Reading = Reading { unit: Some(1.0), deviation: DEVIATION };
 
 /// A DXF of entities: group codes and values, separated by spaces.
 fn dxf_of(header: &str, blocks: &str, entities: &str) -> String {

@@ -1,6 +1,5 @@
 //! Plans as architects draw them, made from seeds, against areas and doors that are known by hand.
 
-use super::tests::METRES;
 use super::*;
 use crate::Door;
 use lemons_core::plane::vec2;
@@ -486,6 +485,18 @@ fn a_frame_around_a_room_is_asked_for() {
         let walls = vec!["Walls".to_owned(), layer.to_owned()];
         assert_eq!(doubt(&lines(layer), &PlanSettings { walls, ..all.clone() }), "");
     }
+    // Whoever names the walls knows of none: a hall with a kiosk in it. Lines of dimensions are no frame.
+    let kiosk: [[f64; 2]; 6] = [[11.0, 8.0], [10.0, 8.0], [10.0, 12.0], [15.0, 12.0], [15.0, 8.0], [12.2, 8.0]];
+    let outer = rect(0.0, 0.0, 30.0, 20.0);
+    let in_hall = [("Walls", &outer[..], true), ("Walls", &kiosk[..], false)];
+    let named = PlanSettings { walls: vec!["Walls".to_owned()], ..all.clone() };
+    assert!(doubt(&in_hall, &all).contains("a frame") && doubt(&in_hall, &named).is_empty());
+    let across: (&str, &[[f64; 2]], bool) = ("Walls", &[[-3.0, 10.0], [5.0, 10.0]], false);
+    assert_eq!(doubt(&[in_hall[0], in_hall[1], across], &all), "");
+    let ticks = [[0.0, 0.0], [30.0, 0.0], [30.0, 20.0], [0.0, 20.0]].map(|[x, y]| [[x, y], [x, y - 1.0]]);
+    let mut with_ticks = vec![in_hall[0]];
+    with_ticks.extend(ticks.iter().map(|tick| ("A-DIMS", &tick[..], false)));
+    assert_eq!(doubt(&with_ticks, &all), "");
     // A hall and columns have none; nor is a frame of a door one.
     let columns = [rect(3.0, 3.0, 4.0, 4.0), rect(9.0, 3.0, 10.0, 4.0), rect(3.0, 9.0, 4.0, 10.0)];
     let mut hall: Vec<(&str, &[[f64; 2]], bool)> = vec![("0", &frame, true)];
