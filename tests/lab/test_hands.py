@@ -164,7 +164,7 @@ def test_a_way_is_drawn_with_the_mouse(page: Page, tmp_path: Path) -> None:
     expect(page.get_by_role("row", name="Arrived or left")).to_contain_text("of 5")
     trial = download(page, "Trial (zip)", tmp_path)
     wishes = tomllib.loads(held(trial)["decision.toml"])
-    whole = lambda way: [{"x": x, "y": y, "radius": 0.5, "wait": 0.0} for x, y in way]
+    whole = lambda way: [{"x": x, "y": y, "radius": 0.5} for x, y in way]
     assert wishes["desired_speed"] == 1.3
     # Everybody takes the way whose first point is nearest.
     for name, pose in places(trial).items():

@@ -127,6 +127,8 @@ def play_until(page: Page, end: float) -> None:
         page.get_by_role("button", name="Play").click()
     wait(page, lambda: seconds(page) >= end)
     page.get_by_role("button", name="Pause").click()
+    # The time that is shown then stays.
+    page.get_by_role("button", name="Play").wait_for()
 
 
 def show_at(page: Page, end: float) -> None:

@@ -11,9 +11,22 @@ use toml::ser::{Error, ValueSerializer};
 const METRES: &str = "[m]";
 
 fn value<T: Serialize>(of: &T) -> Result<String, Error> {
-    let mut text = String::new();
+    let (mut text, mut of) = (String::new(), toml::Value::try_from(of)?);
+    tidy(&mut of);
     of.serialize(ValueSerializer::new(&mut text))?;
     Ok(text)
+}
+
+/// Removes `wait = 0.0` of way-points, which says nothing.
+fn tidy(value: &mut toml::Value) {
+    match value {
+        toml::Value::Array(all) => all.iter_mut().for_each(tidy),
+        toml::Value::Table(table) => {
+            table.retain(|key, value| key != "wait" || value.as_float() != Some(0.0));
+            table.iter_mut().for_each(|(_, value)| tidy(value));
+        }
+        _ => {}
+    }
 }
 
 /// A text with keys, under construction.
@@ -39,12 +52,7 @@ impl Text {
         let Some(of) = of else { return Ok(()) };
         self.0 += &format!("{key} = [\n");
         for element in of {
-            let mut table = toml::Table::try_from(element)?;
-            // Of a way-point, it says nothing.
-            if table.get("wait").and_then(toml::Value::as_float) == Some(0.0) {
-                table.remove("wait");
-            }
-            self.0 += &format!("  {},   # {}\n", value(&table)?, unit(element));
+            self.0 += &format!("  {},   # {}\n", value(element)?, unit(element));
         }
         self.0 += "]\n";
         Ok(())
