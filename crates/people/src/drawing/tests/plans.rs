@@ -486,7 +486,8 @@ fn a_frame_around_a_room_is_asked_for() {
         assert_eq!(doubt(&lines(layer), &PlanSettings { walls, ..all.clone() }), "");
     }
     // Whoever names the walls knows of none: a hall with a kiosk in it. Lines of dimensions are no frame.
-    let kiosk: [[f64; 2]; 6] = [[11.0, 8.0], [10.0, 8.0], [10.0, 12.0], [15.0, 12.0], [15.0, 8.0], [12.2, 8.0]];
+    let kiosk: [[f64; 2]; 6] =
+        [[11.0, 8.0], [10.0, 8.0], [10.0, 12.0], [15.0, 12.0], [15.0, 8.0], [12.2, 8.0]];
     let outer = rect(0.0, 0.0, 30.0, 20.0);
     let in_hall = [("Walls", &outer[..], true), ("Walls", &kiosk[..], false)];
     let named = PlanSettings { walls: vec!["Walls".to_owned()], ..all.clone() };
