@@ -134,7 +134,8 @@ function shownIn(measure: MeasureShown): [by: number, unit: string] {
 function MeasureFields({ is, asked }: { is: PersonShown; asked: PersonRequest }) {
     const set = (part: Partial<PersonRequest>) => change({ person: { ...asked, ...part } });
     return (
-        <>
+        // Until the measures of the other sex come, a number that is typed would be lost with its field.
+        <fieldset disabled={is.sex !== asked.sex}>
             {is.measures.map((measure, k) => {
                 const [by, unit] = shownIn(measure);
                 const decimals = unit === "m" ? 3 : 1;
@@ -163,18 +164,19 @@ function MeasureFields({ is, asked }: { is: PersonShown; asked: PersonRequest })
                     Medians of the survey
                 </button>
                 {film.value && !refused.value && (
-                    <button type="button" title="One person more on the stage, where most room is: drag it from there" onClick={() => putThere(asked)}>
+                    <button type="button" title="One person more on the stage, where most room is: drag it from there" onClick={putThere}>
                         Put into the crowd
                     </button>
                 )}
             </div>
-        </>
+        </fieldset>
     );
 }
 
-function putThere(asked: PersonRequest) {
+function putThere() {
+    const { person } = plan.value;
     change({ tab: "crowd" });
-    add(asked, null);
+    add(person, null);
 }
 
 function Shape({ is, asked }: { is: PersonShown; asked: PersonRequest }) {
