@@ -17,7 +17,7 @@ use crate::people::named;
 use crate::print::{self, is_closed_pipe};
 use crate::version::BUILD;
 use accuracy::{Poses, run_for};
-use anyhow::{Context, Error, Result, bail, ensure};
+use anyhow::{Context, Error, Result, bail};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::ProgressBar;
 use lemons_core::plane::Vec2;
@@ -26,14 +26,13 @@ use lemons_decision::Plan;
 use lemons_decision::target::nearest_exit;
 use lemons_decision::walking_model::WalkingModel;
 use lemons_master::{FileType, PlanChoice, Saved, Settings, TrialInput, writers};
-use lemons_results::measure::{LATEST, Leaving, Over, WAITING, Wait};
-use lemons_results::{Format, Run};
-use lemons_sim::stop::{Still, StopCondition};
-use lemons_sim::{Algorithm, Point};
-use model::{CrowdInfo, Prepared, RunModel};
+use lemons_results::measure::{Leaving, WAITING, Wait};
+use lemons_results::{Format, Frame, Run};
+use lemons_sim::{Algorithm, PointKind, Stepper, Until};
+use model::{CrowdInfo, Model, Prepared};
 use outputs::{OutputTable, Place};
 pub use recorder::Target;
-use recorder::{CrowdRecorder, PointKind, Recorded};
+use recorder::{CrowdRecorder, Recorded};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -97,37 +96,6 @@ pub struct Arguments {
     resume: Option<PathBuf>,
     #[command(flatten)]
     _force: Force,
-}
-
-/// When a run ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Until {
-    /// \[s\]
-    Time(f64),
-    /// \[s\] At the first communication point that is not before, as pictures need it: the last step is a whole one.
-    Point(f64),
-    /// When all have come to rest, as movies need it, and at [`LATEST_REST`].
-    Still,
-    /// When nobody is there any more, and at [`LATEST`].
-    Left,
-}
-
-/// \[s\] Crowds that push for ever never come to rest.
-const LATEST_REST: f64 = 120.0;
-
-impl Until {
-    /// Returns the time \[s\] at which the run ends, if it is known.
-    pub fn time(self) -> Option<f64> {
-        match self {
-            Until::Time(time) | Until::Point(time) => Some(time),
-            Until::Still | Until::Left => None,
-        }
-    }
-
-    /// Returns the time \[s\] at which the run ends at the latest.
-    pub fn latest(self) -> f64 {
-        self.time().unwrap_or(if self == Until::Still { LATEST_REST } else { LATEST })
-    }
 }
 
 pub fn until(text: &str) -> Result<Until, String> {
@@ -326,7 +294,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     ];
     let about = About { lines, goes_on: before.is_some() };
     let outputs = outputs.filter(|_| !output_columns.is_empty());
-    let outputs = outputs.map(|place| OutputTable::create(output_columns, &place, &about)).transpose()?;
+    let mut outputs = outputs.map(|place| OutputTable::create(output_columns, &place, &about)).transpose()?;
     let mut recorders = Vec::with_capacity(crowds.len());
     // Files have plain names.
     let names = plain_names(crowds.iter().map(|crowd| crowd.component.as_str()));
@@ -336,25 +304,42 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), compared)?);
     }
     let stop = match until {
-        Some(Until::Still) => Some(StopCondition::Still(Still::after(drive.end()))),
-        Some(Until::Left) => Some(StopCondition::Left(until_left(&plans, &recorders)?)),
-        _ => None,
+        Some(until) => {
+            until.condition(drive.end(), || who_leaves(&plans, &recorders)).context("--until left")?
+        }
+        None => None,
     };
-    let file = state.map(|path| Ok::<_, Error>((files::stage(&path)?, path))).transpose()?;
-    let bar = progress_bar(stop.as_ref(), clock.steps.saturating_sub(index))?;
-    let started = Instant::now();
-    let noted = started;
-    let mut run = Recording { recorders, outputs, stop, every, index, bar, noted, over: false, interrupt };
-    let mut done = run.see(&mut *model, if before.is_none() { PointKind::Start } else { PointKind::Resumed });
-    if done.is_ok() && !interrupt.pressed() {
-        done = run.steps(&mut *model, clock.points(index));
+    let mut stepper = Stepper::new(clock, every, stop).from(index);
+    if let Some(leaving) = stepper.leaving() {
+        note_without_exit(leaving, recorders.iter().map(|crowd| crowd.crowd.ids.len()).sum());
     }
-    run.bar.finish_and_clear();
+    let file = state.map(|path| Ok::<_, Error>((files::stage(&path)?, path))).transpose()?;
+    let bar = progress_bar(&stepper)?;
+    let started = Instant::now();
+    let mut noted = started;
+    let mut record = |run: &Stepper, model: &mut (dyn Model + 'static), frames: Vec<Frame>, kind| {
+        let time = model.time();
+        for (recorder, frame) in recorders.iter_mut().zip(frames) {
+            recorder.see(frame, kind)?;
+        }
+        if matches!(kind, PointKind::Start | PointKind::Written)
+            && let Some(outputs) = &mut outputs
+        {
+            outputs.row(time, &model.outputs()?)?;
+        }
+        bar.set_message(format!("t = {time:.2} s"));
+        if run.steps() > 0 && bar.is_hidden() && print::is_due(&mut noted, Instant::now()) {
+            note!("t = {time:.2} s");
+        }
+        bar.set_position(run.leaving().map_or(run.steps(), |leaving| leaving.counts().1 as u64));
+        Ok::<_, Error>(if interrupt.pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    };
+    let kind = if before.is_none() { PointKind::Start } else { PointKind::Resumed };
+    let done = stepper.run(&mut *model, &mut record, kind);
+    bar.finish_and_clear();
     let (wall, time) = (started.elapsed().as_secs_f64(), model.time());
-    let Recording { recorders, outputs, stop, index, over, .. } = run;
-    if let Some(StopCondition::Left(leaving)) = &stop
-        && (leaving.over().is_some() || time >= clock.until)
-    {
+    let over = stepper.is_over();
+    if let Some(leaving) = stepper.leaving().filter(|_| over) {
         note_remaining(leaving, &recorders, time);
     }
     let saved = match (&done, file) {
@@ -367,7 +352,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
                 start: clock.start,
                 step: clock.step,
                 until: clock.until,
-                index,
+                index: stepper.index(),
                 time,
                 every,
                 algorithm: settings.algorithm.to_string(),
@@ -386,7 +371,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         }
         _ => Ok(None),
     };
-    if let Some(StopCondition::Left(leaving)) = &stop
+    if let Some(leaving) = stepper.leaving()
         && let Some(Wait { agent, from, time }) = leaving.longest_wait()
     {
         let ids: Vec<&String> = recorders.iter().flat_map(|crowd| &crowd.crowd.ids).collect();
@@ -400,7 +385,6 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         warnings.extend(stuck_warning(&*model, plan, crowd));
         warnings.extend(uneven_queues(plan, crowd).filter(|_| !about.goes_on));
     }
-    let over = over || time >= clock.until;
     if !over {
         summary.push(format!("stopped by Ctrl-C  {time:>10.3} s"));
     }
@@ -443,94 +427,17 @@ fn claim_series(directory: &Path) -> Result<()> {
     })
 }
 
-/// A run as it is stepped.
-struct Recording<'a> {
-    recorders: Vec<CrowdRecorder>,
-    outputs: Option<OutputTable>,
-    stop: Option<StopCondition>,
-    every: u64,
-    /// The last communication point of the clock that was reached.
-    index: u64,
-    bar: ProgressBar,
-    /// When it was last said how far it is.
-    noted: Instant,
-    /// The stop condition has ended it.
-    over: bool,
-    interrupt: &'a Interrupt,
-}
-
-impl Recording<'_> {
-    fn see(&mut self, model: &mut dyn RunModel, kind: PointKind) -> Result<()> {
-        let mut frames = Vec::with_capacity(self.recorders.len());
-        for crowd in 0..self.recorders.len() {
-            frames.push(model.frame(crowd)?);
-        }
-        match &mut self.stop {
-            // Whether anybody rests is known after a step.
-            Some(StopCondition::Still(_)) if matches!(kind, PointKind::Start | PointKind::Resumed) => {}
-            Some(stop) => stop.see(model.time(), &frames),
-            None => {}
-        }
-        for (recorder, frame) in self.recorders.iter_mut().zip(frames) {
-            recorder.see(frame, kind)?;
-        }
-        match &mut self.outputs {
-            Some(outputs) if matches!(kind, PointKind::Start | PointKind::Written) => {
-                outputs.row(model.time(), &model.outputs()?)
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// Makes steps to these points, until it is over.
-    fn steps(&mut self, model: &mut dyn RunModel, points: impl Iterator<Item = Point>) -> Result<()> {
-        for point in points {
-            model.step_to(point.time)?;
-            if self.step(model, point)?.is_break() {
-                break;
-            }
-        }
-        Ok(())
-    }
-
-    /// After a step.
-    fn step(&mut self, model: &mut dyn RunModel, point: Point) -> Result<ControlFlow<()>> {
-        if point.regular {
-            self.index = point.steps;
-        }
-        let written = point.steps.is_multiple_of(self.every);
-        self.see(model, if written { PointKind::Written } else { PointKind::Passed })?;
-        self.bar.set_message(format!("t = {:.2} s", point.time));
-        if self.bar.is_hidden() && print::is_due(&mut self.noted, Instant::now()) {
-            note!("t = {:.2} s", point.time);
-        }
-        match self.stop.as_ref().and_then(StopCondition::left) {
-            Some((_, left)) => self.bar.set_position(left as u64),
-            None => self.bar.inc(1),
-        }
-        let left =
-            matches!(&self.stop, Some(StopCondition::Left(leaving)) if leaving.over() == Some(Over::Left));
-        // A table has the frame in which all have left.
-        self.over = self.stop.as_ref().is_some_and(|stop| stop.is_over(point.time)) && (written || !left);
-        Ok(if self.over || self.interrupt.pressed() {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        })
-    }
-}
-
-fn progress_bar(stop: Option<&StopCondition>, steps: u64) -> Result<ProgressBar> {
-    let (length, template) = match stop.and_then(StopCondition::left) {
+fn progress_bar(run: &Stepper) -> Result<ProgressBar> {
+    let (length, template) = match run.leaving() {
         // How long it takes is not known.
-        Some((leave, _)) => (leave as u64, "{bar:40} {msg}  {pos} of {len} have left"),
-        None => (steps, "{bar:40} {percent:>3}%  {msg}  {eta} left"),
+        Some(leaving) => (leaving.counts().0 as u64, "{bar:40} {msg}  {pos} of {len} have left"),
+        None => (run.clock.steps.saturating_sub(run.index()), "{bar:40} {percent:>3}%  {msg}  {eta} left"),
     };
     print::bar(length, template)
 }
 
-/// The end of a run in which people leave: when nobody is there any more who has an exit.
-fn until_left(plans: &[Plan], recorders: &[CrowdRecorder]) -> Result<Leaving> {
+/// Returns of everybody whether they are to leave.
+fn who_leaves(plans: &[Plan], recorders: &[CrowdRecorder]) -> Vec<bool> {
     let mut plans = plans.iter().map(Plan::leaving);
     let who = recorders.iter().flat_map(|recorder| {
         let CrowdInfo { ids, groups, .. } = &recorder.crowd;
@@ -538,16 +445,14 @@ fn until_left(plans: &[Plan], recorders: &[CrowdRecorder]) -> Result<Leaving> {
         let known = if groups.active { plans.next() } else { None };
         known.filter(|who| who.len() == ids.len()).unwrap_or_else(|| vec![groups.active; ids.len()])
     });
-    let who: Vec<bool> = who.collect();
-    let stay = who.iter().filter(|leaves| !**leaves).count();
-    ensure!(
-        stay < who.len(),
-        "--until left: nobody can leave: people do not walk, or have no exits (give a time in seconds)"
-    );
+    who.collect()
+}
+
+fn note_without_exit(leaving: &Leaving, people: usize) {
+    let stay = people - leaving.counts().0;
     if stay > 0 {
-        note!("note: {stay} of {} people have no exit: the run ends when the others have left", who.len());
+        note!("note: {stay} of {people} people have no exit: the run ends when the others have left");
     }
-    Ok(Leaving::of(who.len() - stay).among(who))
 }
 
 /// Says who has not left, and why the run ends nevertheless.
@@ -595,7 +500,7 @@ const STUCK: f64 = 0.1;
 
 /// A warning for the end of a run with the model `straight` if more than half of the people who are there are pushed,
 /// want to walk and get no further.
-fn stuck_warning(model: &dyn RunModel, plan: &Plan, crowd: &CrowdRecorder) -> Option<String> {
+fn stuck_warning(model: &dyn Model, plan: &Plan, crowd: &CrowdRecorder) -> Option<String> {
     let frame = &crowd.last;
     let (forces, observed) = (model.drive()?, frame.observed.as_ref()?);
     // With legs, who is pushed and stands does not press on.

@@ -14,8 +14,10 @@ use lemons_people::{MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
 use lemons_picture::{ColourMap, Fill, Force, Scene, Style, Values};
 use lemons_results::columns::{ALL, Groups};
 use lemons_results::{Content, Frame, FrameWriter, TableWriter};
+use lemons_sim::{Simulation, Stepper};
 use serde::{Deserialize, Serialize};
 use std::io::Cursor;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// Most people whose bodies are written: about 1 MB each.
@@ -209,13 +211,14 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
     let ids = of.trial.agents.iter().map(|agent| agent.id.clone()).collect();
     let mut writer = FrameWriter::new(writer, ids, groups);
     writer.frame(&run.simulation.frame())?;
-    for step in 1..=steps {
-        run.step()?;
-        writer.frame(&run.simulation.frame())?;
-        let (iteration, limit) = (u64::from(step), u64::from(steps));
+    let mut write = |run: &Stepper, _: &mut Simulation, frames: Vec<Frame>, _| {
+        frames.iter().try_for_each(|frame| writer.frame(frame))?;
+        let (iteration, limit) = (run.steps(), steps.into());
         // Without a stage of its own: the page knows it by the overlap.
         let progress = Progress { stage: Stage::Growing, iteration, limit, overlap: f64::NAN, density: 0.0 };
         require(watch(&progress).is_continue(), || "the table was stopped".into())?;
-    }
+        Ok::<_, Refused>(ControlFlow::Continue(()))
+    };
+    run.observe(&mut write, steps)?;
     Ok(writer.finish()?.into_inner())
 }

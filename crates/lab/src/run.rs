@@ -9,9 +9,10 @@ use crowd_mechanics::engine::{PairForce, World};
 use lemons_core::plane::Pose;
 use lemons_people::Figure;
 use lemons_results::Frame;
-use lemons_sim::{Algorithm, Documents, Replay, Simulation};
+use lemons_sim::{Algorithm, Clock, Documents, Observer, Replay, Simulation, Stepper};
 use serde::Serialize;
 use std::cell::OnceCell;
+use std::ops::ControlFlow;
 
 /// Most communication steps of a request: a page wants to be heard between them.
 pub const MOST_STEPS: u32 = 1000;
@@ -21,7 +22,7 @@ pub const MOST_BYTES: u64 = 100_000_000;
 pub const MOST_WORK: f64 = 5e8;
 
 /// Numbers of each further step.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub(crate) struct Advanced {
     /// \[m\] Deepest overlap so far.
@@ -36,8 +37,7 @@ pub struct Run {
     pub driven: Driven,
     /// Its simulation.
     pub simulation: Simulation,
-    /// Communication steps so far.
-    steps: u64,
+    points: Stepper,
     /// \[m\] Deepest overlap so far.
     overlap: f64,
     /// Everybody in three dimensions, once somebody has asked for it: a hundredth of a second each.
@@ -57,7 +57,9 @@ impl Run {
         let documents = Documents { trial, drive: table, plan };
         let mut simulation = Simulation::new(documents, Algorithm::Jacobi)?;
         simulation.begin(0.0, None)?;
-        Ok(Run { driven, simulation, steps: 0, overlap: 0.0, bodies: OnceCell::new(), map: None })
+        // Communication points are multiples, as those of `lemons run`.
+        let points = Stepper::new(Clock::endless(0.0, driven.trial.parameters.time_step), 1, None);
+        Ok(Run { driven, simulation, points, overlap: 0.0, bodies: OnceCell::new(), map: None })
     }
 
     /// Everybody in three dimensions, with what goes along.
@@ -82,16 +84,12 @@ impl Run {
         self.driven.trial.agents.len()
     }
 
-    /// Advances by one communication step.
+    /// Advances by communication steps, which an observer sees.
     ///
     /// # Errors
-    /// The engine refuses it; the run is then where it was.
-    pub fn step(&mut self) -> Result<(), Refused> {
-        // Communication points are multiples, as those of `lemons run`.
-        self.simulation.step_to(self.time_at(self.steps + 1))?;
-        self.steps += 1;
-        self.overlap = self.overlap.max(self.world().largest_overlap());
-        Ok(())
+    /// The engine refuses one; the run is then where it was before that one. Or those of the observer.
+    pub fn observe<O: Observer<Simulation>>(&mut self, observer: &mut O, steps: u32) -> Result<(), O::Error> {
+        self.points.advance(&mut self.simulation, observer, steps.into())
     }
 
     /// Advances by communication steps. Returns, of each, the deepest overlap since the beginning and how many have arrived,
@@ -106,14 +104,20 @@ impl Run {
             format!("{steps} steps of {people} people at once have more than 100 MB")
         })?;
         self.check_work()?;
-        let (mut bytes, mut overlaps, mut arrived) = (Vec::new(), Vec::new(), Vec::new());
-        for _ in 0..steps {
-            self.step()?;
-            bytes.extend(self.frame()?);
-            overlaps.push(self.overlap);
-            arrived.push(self.simulation.arrived()?);
-        }
-        Reply::with(Advanced { overlaps, arrived }, bytes)
+        let (mut bytes, mut advanced, mut overlap) = (Vec::new(), Advanced::default(), self.overlap);
+        let mut add = |_: &Stepper, simulation: &mut Simulation, frames: Vec<Frame>, _| {
+            for frame in &frames {
+                bytes.extend(frame::bytes(frame, &simulation.going()?));
+            }
+            overlap = simulation.world().map_or(overlap, |world| overlap.max(world.largest_overlap()));
+            advanced.overlaps.push(overlap);
+            advanced.arrived.push(simulation.arrived()?);
+            Ok::<_, Refused>(ControlFlow::Continue(()))
+        };
+        let done = self.observe(&mut add, steps);
+        self.overlap = overlap;
+        done?;
+        Reply::with(advanced, bytes)
     }
 
     /// Checks that a communication step is not too much work for a page.
@@ -130,11 +134,6 @@ impl Run {
                 parameters.time_step
             )
         })
-    }
-
-    /// \[s\]
-    fn time_at(&self, steps: u64) -> f64 {
-        steps as f64 * self.driven.trial.parameters.time_step
     }
 
     /// Returns the present frame as pages keep it.

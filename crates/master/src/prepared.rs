@@ -31,10 +31,10 @@ const CROWD: &str = "crowd";
 /// for warning in &run.warnings {
 ///     println!("{warning}");
 /// }
-/// for point in run.clock.points(0) {
-///     run.step_to(point.time)?;
+/// for time in run.clock.points(0) {
+///     run.step_to(time)?;
 ///     let crowd = &run.system.components[0].instance;
-///     println!("{} s: {} m", point.time, crowd.value::<f64>("agent[0].Position.x")?);
+///     println!("{time} s: {} m", crowd.value::<f64>("agent[0].Position.x")?);
 /// }
 /// # Ok::<(), Error>(())
 /// ```

@@ -209,10 +209,10 @@ fn run(
     instance.exit_initialization()?;
     each(clock.start, &instance.values(outputs)?)?;
     let mut time = clock.start;
-    for point in clock.points(0) {
+    for next in clock.points(0) {
         feed(time)?;
-        instance.step(time, point.time - time)?;
-        time = point.time;
+        instance.step(time, next - time)?;
+        time = next;
         each(time, &instance.values(outputs)?)?;
     }
     instance.terminate()?;
@@ -226,7 +226,7 @@ type Stimuli = HashMap<String, Vec<f64>>;
 fn stimuli(documents: Documents, clock: Clock, tolerance: Option<f64>) -> Result<Stimuli> {
     let mut stimuli = Stimuli::new();
     if documents.plan.is_none() {
-        let times: Vec<f64> = std::iter::once(clock.start).chain(clock.points(0).map(|it| it.time)).collect();
+        let times: Vec<f64> = std::iter::once(clock.start).chain(clock.points(0)).collect();
         for (agent, names) in driven(&documents.trial.agents, &documents.drive) {
             let at = |time: &f64| documents.drive.at(&agent.id, *time).unwrap_or_default();
             let pushes: Vec<[f64; 3]> = times.iter().map(at).collect();
@@ -246,8 +246,8 @@ fn stimuli(documents: Documents, clock: Clock, tolerance: Option<f64>) -> Result
         values.into_iter().for_each(|(name, value)| stimuli.entry(name).or_default().push(value));
     };
     add(seen(&simulation));
-    for point in clock.points(0) {
-        simulation.step_to(point.time).place(refused)?;
+    for time in clock.points(0) {
+        simulation.step_to(time).place(refused)?;
         add(seen(&simulation));
         add(drives(&simulation));
     }
@@ -296,7 +296,7 @@ fn inputs(interface: &Interface, clock: Clock, stimuli: &Stimuli) -> Table {
     };
     let changing: Vec<&Variable> = interface.variables.iter().filter(changes).collect();
     let mut table = Table::of(changing.iter().copied());
-    for (k, time) in std::iter::once(clock.start).chain(clock.points(0).map(|it| it.time)).enumerate() {
+    for (k, time) in std::iter::once(clock.start).chain(clock.points(0)).enumerate() {
         let values = changing.iter().flat_map(|variable| {
             (0..variable.count()).map(move |element| {
                 own(variable, element)

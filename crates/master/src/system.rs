@@ -19,7 +19,7 @@ use crate::saved::ComponentRecord;
 use crate::ssp::{Affine, Single, Type};
 use lemons_core::trial::Trial;
 use lemons_fmi::fingerprint;
-use lemons_sim::Algorithm;
+use lemons_sim::{Algorithm, Exchange};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::Arc;
 
@@ -193,19 +193,15 @@ impl System {
     /// A component refuses the step or fails.
     pub fn step_to(&mut self, end: f64) -> Result<()> {
         let (start, step) = (self.time, end - self.time);
-        let advance = |system: &mut System, c: usize| system.components[c].instance.step(start, step);
-        match self.algorithm {
-            Algorithm::Jacobi => {
-                self.each(System::send)?;
-                self.each(advance)?;
-                self.each(|system, c| system.read(c).map(drop))?;
-            }
-            Algorithm::GaussSeidel => self.each(|system, c| {
-                system.send(c)?;
-                advance(system, c)?;
-                system.read(c).map(drop)
-            })?,
-        }
+        let all: Vec<usize> = (0..self.components.len()).collect();
+        self.algorithm.step(&all, |c, exchange| {
+            let done = match exchange {
+                Exchange::SetInputs => self.send(c),
+                Exchange::Step => self.components[c].instance.step(start, step),
+                Exchange::GetOutputs => self.read(c).map(drop),
+            };
+            self.of_component(c, done)
+        })?;
         self.time = end;
         Ok(())
     }
@@ -272,14 +268,18 @@ impl System {
 
     /// Does something with each component in turn; an error says which one it was, if there are several.
     fn each(&mut self, mut what: impl FnMut(&mut System, usize) -> Result<()>) -> Result<()> {
-        for c in 0..self.components.len() {
+        (0..self.components.len()).try_for_each(|c| {
             let done = what(self, c);
-            if self.components.len() == 1 {
-                return done;
-            }
-            done.place(|| format!("component {:?}", self.components[c].name))?;
+            self.of_component(c, done)
+        })
+    }
+
+    /// An error says which component it was, if there are several.
+    fn of_component(&self, c: usize, done: Result<()>) -> Result<()> {
+        if self.components.len() == 1 {
+            return done;
         }
-        Ok(())
+        done.place(|| format!("component {:?}", self.components[c].name))
     }
 
     /// Reads the connected outputs of a component; returns whether one is new.

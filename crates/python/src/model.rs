@@ -1,7 +1,7 @@
 //! What is simulated: a Trial, its drive, and where its people walk.
 
 use crate::CommandError;
-use crate::simulation::{refused, short};
+use crate::simulation::short;
 use crowd_mechanics::setup;
 use lemons_core::files::input;
 use lemons_core::files::source::Memory;
@@ -115,19 +115,6 @@ type Parts = (Texts, Option<PathBuf>, Vec<String>);
 /// Said of an FMU that has no Trial.
 const OTHER_FMU: &str = "; here the Trial in the FMU of a crowd is simulated: any other FMU runs with FMPy \
                          (fmpy.simulate_fmu), or with lemons run";
-
-impl Model {
-    /// Returns of everybody whether they have an exit.
-    pub(crate) fn leaving(&self) -> Vec<bool> {
-        self.documents.plan.as_ref().map(Plan::leaving).unwrap_or_default()
-    }
-}
-
-/// Checks that somebody has an exit.
-pub(crate) fn check_leaving(leaving: Vec<bool>) -> PyResult<Vec<bool>> {
-    let nobody = "until='left': nobody can leave: people do not walk, or have no exits (give a time)";
-    if leaving.contains(&true) { Ok(leaving) } else { Err(refused(nobody)) }
-}
 
 /// The people of a Trial: Ids, masses \[kg\], moments of inertia \[kg.m2\], statures \[m\] (not a number: not known), disks of
 /// each (x, y, radius \[m\]), poses (x, y \[m\], theta \[rad\]).

@@ -1,16 +1,15 @@
 //! A run under way, and what is recorded of it.
 
-use crate::model::check_leaving;
-use crate::simulation::{Simulation, check_finite, check_shape, in_order, refused};
+use crate::simulation::{Simulation, check_finite, check_shape, condition, in_order, refused, until_of};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_results::Frame;
 use lemons_results::columns::{ALL, FIRST_TOTAL, Groups, LEGS, MOTION, Row};
-use lemons_results::measure::{LATEST, Leaving, Over};
-use lemons_sim::stop::places;
-use lemons_sim::{Clock, SimError};
+use lemons_results::measure::Over;
+use lemons_sim::{Clock, Observer, PointKind, SimError, Stepper};
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyMemoryError, PyValueError};
 use pyo3::prelude::*;
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 /// The numbers of an agent in arrays, by their places in the row of a table: pose, velocity, squeeze, contacts, whether
@@ -71,23 +70,53 @@ pub fn duration(seconds: f64) -> PyResult<Duration> {
         .map_err(|error| PyValueError::new_err(format!("a duration of {seconds:?} s: {error}")))
 }
 
-/// A run: its communication points, what pushes people in it, when it ends, and its frames.
+/// A run: when it ends, and what is recorded of it.
 #[pyclass(module = "lemons_fmu._native")]
 pub struct Recording {
-    clock: Clock,
-    /// Steps that were made.
-    index: u64,
+    run: Stepper,
+    recorded: Recorded,
+}
+
+/// Frames of a run as arrays, and what pushes people in it.
+struct Recorded {
     people: usize,
     /// How many numbers an agent has.
     each: usize,
-    /// If it ends when people have left.
-    leaving: Option<Leaving>,
     /// Of each step the pushes of these agents, if there are such.
     pushed: Vec<usize>,
     pushes: Vec<f64>,
     times: Vec<f64>,
     /// Those of each agent at each of these times.
     numbers: Vec<f64>,
+    /// When Python wants to be heard again.
+    pause: Option<Instant>,
+}
+
+impl Observer<lemons_sim::Simulation> for Recorded {
+    type Error = SimError;
+
+    fn before_step(&mut self, simulation: &mut lemons_sim::Simulation, k: u64) {
+        let mut of_steps = self.pushes.chunks_exact(3 * self.pushed.len().max(1));
+        let pushes = of_steps.nth(k as usize).unwrap_or_default().chunks_exact(3);
+        for (agent, push) in self.pushed.iter().zip(pushes) {
+            simulation.push(*agent, Wrench { force: vec2(push[0], push[1]), torque: push[2] });
+        }
+    }
+
+    fn see(
+        &mut self,
+        _: &Stepper,
+        _: &mut lemons_sim::Simulation,
+        frames: Vec<Frame>,
+        _: PointKind,
+    ) -> Result<ControlFlow<()>, SimError> {
+        for frame in &frames {
+            self.times.push(frame.time);
+            observe(frame, &mut self.numbers);
+        }
+        let pauses = self.pause.is_some_and(|pause| Instant::now() >= pause);
+        Ok(if pauses { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    }
 }
 
 #[pymethods]
@@ -95,80 +124,76 @@ impl Recording {
     /// Begins the record of a run until a time \[s\], with this communication step \[s\]; without a time, until everybody has
     /// left who has an exit. `whole`: it surely goes on until its time.
     #[new]
-    fn new(simulation: &Simulation, until: Option<f64>, step: f64, whole: bool) -> PyResult<Recording> {
-        let leaving = || {
-            let who = check_leaving(simulation.leaving.clone())?;
-            Ok::<_, PyErr>(Leaving::of(who.iter().filter(|leaves| **leaves).count()).among(who))
-        };
-        let leaving = if until.is_none() { Some(leaving()?) } else { None };
-        let simulation = &simulation.simulation;
+    fn new(simulation: &mut Simulation, until: Option<f64>, step: f64, whole: bool) -> PyResult<Recording> {
+        let until = until_of(until);
+        let stop = condition(until, simulation.leaving.clone())?;
+        let simulation = &mut simulation.simulation;
         simulation.world().ok_or_else(|| refused(SimError::NotBegun))?;
-        let clock = Clock::new(simulation.time(), step, until.unwrap_or(LATEST));
+        let clock = Clock::new(simulation.time(), step, until.latest());
         let clock = clock.map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let (people, each) = (simulation.ids().len(), numbers_of_each(&simulation.frame()));
-        let mut recording = Recording {
-            clock,
-            index: 0,
-            people,
-            each,
-            leaving,
+        let mut recorded = Recorded {
+            people: simulation.ids().len(),
+            each: numbers_of_each(&simulation.frame()),
             pushed: Vec::new(),
             pushes: Vec::new(),
             times: Vec::new(),
             numbers: Vec::new(),
+            pause: None,
         };
-        if whole && recording.leaving.is_none() {
-            recording.reserve()?;
+        if whole && stop.is_none() {
+            recorded.reserve(clock.steps)?;
         }
-        recording.see(simulation);
-        Ok(recording)
+        let mut run = Stepper::new(clock, 1, stop);
+        let seen = run.observe(simulation, &mut recorded, PointKind::Start);
+        seen.map(|_| Recording { run, recorded }).map_err(refused)
     }
 
     /// All communication points \[s\], from the first to the last.
     fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let steps = self.clock.steps;
+        let Clock { start, steps, .. } = self.run.clock;
         let mut points = Vec::new();
         points
             .try_reserve_exact(steps as usize + 1)
             .map_err(|_| PyMemoryError::new_err(format!("the memory does not hold {steps} steps")))?;
-        points.push(self.clock.start);
-        points.extend((0..steps).map(|k| self.clock.end(k)));
+        points.push(start);
+        points.extend(self.run.clock.points(0));
         Ok(points.into_pyarray(py))
     }
 
     /// Pushes these agents in each step: shape (steps, agents, 3).
     fn push(&mut self, agents: Vec<usize>, pushes: PyReadonlyArray3<'_, f64>) -> PyResult<()> {
-        if let Some(agent) = agents.iter().find(|agent| **agent >= self.people) {
-            return Err(PyIndexError::new_err(format!("agent {agent}: there are {} agents", self.people)));
+        let people = self.recorded.people;
+        if let Some(agent) = agents.iter().find(|agent| **agent >= people) {
+            return Err(PyIndexError::new_err(format!("agent {agent}: there are {people} agents")));
         }
-        check_shape(pushes.shape(), &[self.clock.steps as usize, agents.len(), 3])?;
+        check_shape(pushes.shape(), &[self.run.clock.steps as usize, agents.len(), 3])?;
         let pushes = in_order(&pushes);
         check_finite(&pushes, |k| agents[k % agents.len()])?;
-        (self.pushed, self.pushes) = (agents, pushes);
+        (self.recorded.pushed, self.recorded.pushes) = (agents, pushes);
         Ok(())
     }
 
     /// The number of all steps, and of those that were made.
     #[getter]
     fn steps(&self) -> (u64, u64) {
-        (self.clock.steps, self.index)
+        (self.run.clock.steps, self.run.steps())
     }
 
     /// Whether the last step was made, or people have left.
     #[getter]
     fn is_over(&self) -> bool {
-        self.index == self.clock.steps || self.over().is_some()
+        self.run.is_over()
     }
 
     /// Whether all have left who were to leave.
     #[getter]
     fn have_left(&self) -> bool {
-        self.over() == Some(Over::Left)
+        self.run.leaving().is_some_and(|leaving| leaving.over() == Some(Over::Left))
     }
 
     /// Why a run ends from which people were to leave who stay.
     fn why_some_stay(&self) -> Option<String> {
-        self.leaving.as_ref()?.why_some_stay(*self.times.last()?)
+        self.run.leaving()?.why_some_stay(*self.recorded.times.last()?)
     }
 
     /// Makes at most so many steps, for about so long \[s\].
@@ -180,11 +205,12 @@ impl Recording {
         seconds: f64,
     ) -> PyResult<()> {
         let own = &mut simulation.simulation;
-        if own.ids().len() != self.people {
+        if own.ids().len() != self.recorded.people {
             return Err(refused("the run is that of another simulation"));
         }
-        let time = duration(seconds)?;
-        py.detach(|| self.advance_for(own, most, time)).map_err(refused)
+        let Recording { run, recorded } = self;
+        recorded.pause = Instant::now().checked_add(duration(seconds)?);
+        py.detach(|| run.advance(own, recorded, most)).map_err(refused)
     }
 
     /// Gives what was recorded, without a copy: times, and the numbers of all agents.
@@ -193,59 +219,21 @@ impl Recording {
         &mut self,
         py: Python<'py>,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray3<f64>>)> {
-        let shape = [self.times.len(), self.people, self.each];
-        let (times, numbers) = (std::mem::take(&mut self.times), std::mem::take(&mut self.numbers));
+        let Recorded { people, each, times, numbers, .. } = &mut self.recorded;
+        let shape = [times.len(), *people, *each];
+        let (times, numbers) = (std::mem::take(times), std::mem::take(numbers));
         Ok((times.into_pyarray(py), numbers.into_pyarray(py).reshape(shape)?))
     }
 }
 
-impl Recording {
-    fn over(&self) -> Option<Over> {
-        self.leaving.as_ref().and_then(Leaving::over)
-    }
-
+impl Recorded {
     /// Makes room for all frames.
-    fn reserve(&mut self) -> PyResult<()> {
-        let (steps, people) = (self.clock.steps, self.people);
-        let frames = usize::try_from(steps + 1).ok();
+    fn reserve(&mut self, steps: u64) -> PyResult<()> {
+        let (people, frames) = (self.people, usize::try_from(steps + 1).ok());
         let all = frames.and_then(|frames| frames.checked_mul(self.each)?.checked_mul(people));
         if all.is_some_and(|all| self.numbers.try_reserve_exact(all).is_ok()) {
             return Ok(());
         }
         Err(PyMemoryError::new_err(format!("the memory does not hold {steps} steps of {people} people")))
-    }
-
-    fn advance_for(
-        &mut self,
-        simulation: &mut lemons_sim::Simulation,
-        most: u64,
-        time: Duration,
-    ) -> Result<(), SimError> {
-        let (begin, steps) = (Instant::now(), self.clock.steps - self.index);
-        for _ in 0..steps.min(most) {
-            let mut of_steps = self.pushes.chunks_exact(3 * self.pushed.len().max(1));
-            let pushes = of_steps.nth(self.index as usize).unwrap_or_default().chunks_exact(3);
-            for (agent, push) in self.pushed.iter().zip(pushes) {
-                let push = Wrench { force: vec2(push[0], push[1]), torque: push[2] };
-                simulation.push(*agent, push);
-            }
-            simulation.step_to(self.clock.end(self.index))?;
-            self.index += 1;
-            self.see(simulation);
-            if self.is_over() || begin.elapsed() >= time {
-                break;
-            }
-        }
-        Ok(())
-    }
-
-    /// Records the present communication point.
-    fn see(&mut self, simulation: &lemons_sim::Simulation) {
-        let frame = simulation.frame();
-        self.times.push(frame.time);
-        observe(&frame, &mut self.numbers);
-        if let Some(leaving) = &mut self.leaving {
-            leaving.see(frame.time, &places(&frame));
-        }
     }
 }

@@ -6,7 +6,7 @@ use crate::recording::{numbers_of_each, observe};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_core::files::words::shortened;
 use lemons_sim::settings::Value;
-use lemons_sim::{Algorithm, SimError};
+use lemons_sim::{Algorithm, SimError, StopCondition, Until};
 use numpy::ndarray::Dimension;
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray, PyReadonlyArray1, PyReadonlyArray2,
@@ -32,6 +32,19 @@ pub fn short(error: impl std::fmt::Display) -> String {
 /// An error of the simulation, in Python.
 pub fn refused(error: impl std::fmt::Display) -> PyErr {
     SimulationError::new_err(short(error))
+}
+
+/// Returns when a run ends: at a time \[s\], or when all have left.
+pub fn until_of(time: Option<f64>) -> Until {
+    time.map_or(Until::Left, Until::Time)
+}
+
+/// Returns what ends such a run before its time; `leaving` says of everybody whether they have an exit.
+///
+/// # Errors
+/// Nobody can leave.
+pub fn condition(until: Until, leaving: Vec<bool>) -> PyResult<Option<StopCondition>> {
+    until.condition(None, || leaving).map_err(|nobody| refused(format!("until='left': {nobody}")))
 }
 
 /// Returns the algorithm of this name.
@@ -88,7 +101,7 @@ impl Simulation {
     fn new(model: &Model, algorithm: &str) -> PyResult<Simulation> {
         let algorithm = algorithm_of(algorithm)?;
         let simulation = lemons_sim::Simulation::new(model.documents.clone(), algorithm);
-        Ok(Simulation { simulation: simulation.map_err(refused)?, leaving: model.leaving() })
+        Ok(Simulation { simulation: simulation.map_err(refused)?, leaving: model.documents.leaving() })
     }
 
     /// Sets a parameter or a start value before the beginning.

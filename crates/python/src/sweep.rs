@@ -1,9 +1,8 @@
 //! The points of a sweep, what they simulate, and the table of their results.
 
-use crate::model::{Model, check_leaving};
-use crate::simulation::{algorithm_of, refused, short};
+use crate::model::Model;
+use crate::simulation::{algorithm_of, condition, refused, short, until_of};
 use lemons_master::PlanChoice;
-use lemons_results::measure::LATEST;
 use lemons_sim::Clock;
 use lemons_sweep::{Finished, Measured, Models, Plan, Template, check_parameters, identity};
 use pyo3::create_exception;
@@ -140,10 +139,9 @@ impl Study {
         let simulation = lemons_sim::Simulation::new(model.documents.clone(), algorithm).map_err(refused)?;
         let checked = check_parameters(&self.points, &self.models, &simulation);
         checked.map_err(|error| refused(error.whole()))?;
-        if until.is_none() {
-            check_leaving(model.leaving())?;
-        }
-        Clock::new(0.0, step, until.unwrap_or(LATEST)).map_err(wrong)?;
+        let until = until_of(until);
+        condition(until, model.documents.leaving())?;
+        Clock::new(0.0, step, until.latest()).map_err(wrong)?;
         let own = identity::of_documents(&model.documents, algorithm, step);
         Ok(Value::Object(own.map_err(|error| wrong(error.whole()))?).to_string())
     }

@@ -18,17 +18,6 @@ pub struct Clock {
     pub steps: u64,
 }
 
-/// A communication point that a run comes to.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
-    /// How many steps lead there from the first point of the clock.
-    pub steps: u64,
-    /// \[s\]
-    pub time: f64,
-    /// Whether it is a point of every longer run: the last step may be a shorter one.
-    pub regular: bool,
-}
-
 impl Clock {
     /// Greatest number of communication steps of a run: more take weeks, and their results fill any disk.
     pub const MOST_STEPS: u64 = 1_000_000_000;
@@ -97,12 +86,14 @@ impl Clock {
         self.start + k as f64 * self.step
     }
 
-    /// The communication points of a run after its `first`-th one, to which steps lead.
-    pub fn points(self, first: u64) -> impl Iterator<Item = Point> {
-        (first..self.steps).map(move |k| {
-            let time = self.end(k);
-            Point { steps: k + 1, time, regular: time == self.point(k + 1) }
-        })
+    /// The communication points \[s\] after the `first`-th one.
+    pub fn points(self, first: u64) -> impl Iterator<Item = f64> {
+        (first..self.steps).map(move |k| self.end(k))
+    }
+
+    /// Communication points from `start` on, without an end.
+    pub fn endless(start: f64, step: f64) -> Clock {
+        Clock { start, step, until: f64::INFINITY, steps: u64::MAX }
     }
 
     /// The end of the step that begins at the k-th point.

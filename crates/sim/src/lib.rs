@@ -5,6 +5,7 @@
 //! - [`Simulation`]: the Trial's crowd, and who decides where its people walk, coupled as their FMUs are
 //! - [`settings`]: parameters by the names of their FMUs' variables
 //! - [`Clock`]: the communication points to which a run steps
+//! - [`Stepper`]: the loop of a run, with a model and an observer
 //! - [`exposure`]: greatest squeeze and overlap, and what passes between two rows of a table
 //! - [`Replay`]: the contacts of a Trial's agents in the frames of a run
 //! - [`stop`]: when a run ends before its time
@@ -14,10 +15,12 @@ pub mod exposure;
 mod replay;
 pub mod settings;
 mod simulation;
+mod stepper;
 pub mod stop;
 
-pub use clock::{Clock, ClockError, Point};
+pub use clock::{Clock, ClockError};
 pub use exposure::{ExposureSum, Extremes, Greatest};
 pub use replay::Replay;
-pub use simulation::{Algorithm, Documents, SimError, Simulation};
-pub use stop::StopCondition;
+pub use simulation::{Algorithm, Documents, Exchange, SimError, Simulation};
+pub use stepper::{Observer, PointKind, RunModel, Stepper};
+pub use stop::{StopCondition, Until};

@@ -27,6 +27,13 @@ pub struct Documents {
     pub plan: Option<Plan>,
 }
 
+impl Documents {
+    /// Returns of everybody whether they have an exit.
+    pub fn leaving(&self) -> Vec<bool> {
+        self.plan.as_ref().map(Plan::leaving).unwrap_or_default()
+    }
+}
+
 /// In which order crowd and Decision exchange values and step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -36,6 +43,39 @@ pub enum Algorithm {
     Jacobi,
     /// Decision steps first, and the crowd uses what it has decided.
     GaussSeidel,
+}
+
+/// What a component does in a communication step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exchange {
+    /// Its inputs get the newest values of the outputs that feed them.
+    SetInputs,
+    /// It steps.
+    Step,
+    /// Its outputs are read.
+    GetOutputs,
+}
+
+impl Algorithm {
+    /// Makes a communication step of coupled components, which Gauss-Seidel takes in this order.
+    ///
+    /// # Errors
+    /// The first one of a component.
+    pub fn step<C: Copy, E>(
+        self,
+        components: &[C],
+        mut exchange: impl FnMut(C, Exchange) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let all = [Exchange::SetInputs, Exchange::Step, Exchange::GetOutputs];
+        match self {
+            Algorithm::Jacobi => {
+                all.iter().try_for_each(|what| components.iter().try_for_each(|c| exchange(*c, *what)))
+            }
+            Algorithm::GaussSeidel => {
+                components.iter().try_for_each(|c| all.iter().try_for_each(|what| exchange(*c, *what)))
+            }
+        }
+    }
 }
 
 impl fmt::Display for Algorithm {
@@ -220,16 +260,12 @@ impl Simulation {
             return Err(SimError::Step { to: time, from: self.time });
         }
         let (from, step) = (self.time, time - self.time);
-        let walking = self.world().filter(|_| self.walks());
-        let motions: Vec<_> = walking.into_iter().flat_map(motions).map(|motion| seen(&motion)).collect();
-        if self.algorithm == Algorithm::GaussSeidel {
-            self.decide(&motions, step)?;
-        }
-        self.drive_crowd(Phase::StepComplete);
-        self.crowd.model.advance(Step::of(from, step))?;
-        if self.algorithm == Algorithm::Jacobi {
-            self.decide(&motions, step)?;
-        }
+        // The order means nothing for Jacobi: a crowd that refuses the step leaves Decision as it was.
+        let order = match self.algorithm {
+            Algorithm::Jacobi => [Part::Crowd, Part::Decision],
+            Algorithm::GaussSeidel => [Part::Decision, Part::Crowd],
+        };
+        self.algorithm.step(&order, |part, exchange| self.exchange(part, exchange, Step::of(from, step)))?;
         self.time = time;
         Ok(())
     }
@@ -387,14 +423,26 @@ impl Simulation {
         }
     }
 
-    /// Those who walk see these motions, and decide over a step \[s\].
-    fn decide(&mut self, motions: &[(SeenPose, Vec2)], step: f64) -> Result<(), SimError> {
-        let Some(Named { model: decision, .. }) = &mut self.decision else { return Ok(()) };
-        decision.see(motions.iter().copied());
-        decision.pass(step)?;
-        self.acts = decision.acts()?;
+    fn exchange(&mut self, part: Part, exchange: Exchange, step: Step) -> Result<(), SimError> {
+        match (part, exchange, &mut self.decision) {
+            (Part::Crowd, Exchange::SetInputs, _) => self.drive_crowd(Phase::StepComplete),
+            (Part::Crowd, Exchange::Step, _) => self.crowd.model.advance(step)?,
+            (Part::Crowd, Exchange::GetOutputs, _) | (Part::Decision, _, None) => {}
+            (Part::Decision, Exchange::SetInputs, Some(Named { model, .. })) => {
+                model.see(self.crowd.model.world().into_iter().flat_map(motions).map(|motion| seen(&motion)));
+            }
+            (Part::Decision, Exchange::Step, Some(decision)) => decision.model.pass(step.length)?,
+            (Part::Decision, Exchange::GetOutputs, Some(decision)) => self.acts = decision.model.acts()?,
+        }
         Ok(())
     }
+}
+
+/// A component of a simulation.
+#[derive(Debug, Clone, Copy)]
+enum Part {
+    Crowd,
+    Decision,
 }
 
 /// Returns where everybody is and how they move.

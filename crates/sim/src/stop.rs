@@ -2,7 +2,7 @@
 
 use lemons_core::plane::Vec2;
 use lemons_results::Frame;
-use lemons_results::measure::Leaving;
+use lemons_results::measure::{LATEST, Leaving, Over};
 
 /// \[s\] Nobody moves for so long.
 pub const REST: f64 = 1.0;
@@ -15,7 +15,64 @@ const STANDING_TURN: f64 = 0.05;
 /// \[s\] Times are sums of steps.
 const ROUNDING: f64 = 1e-9;
 
-/// What ends a run before its time.
+/// When a run ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Until {
+    /// \[s\]
+    Time(f64),
+    /// \[s\] At the first communication point that is not before, as pictures need it: the last step is a whole one.
+    Point(f64),
+    /// When all have come to rest, as movies need it; at the latest after two minutes.
+    Still,
+    /// When all have left who have an exit, or nobody gets any further; at the latest after [`LATEST`].
+    Left,
+}
+
+/// \[s\] Crowds that push for ever never come to rest.
+const LATEST_REST: f64 = 120.0;
+
+impl Until {
+    /// Returns the time \[s\] at which the run ends, if it is known.
+    pub fn time(self) -> Option<f64> {
+        match self {
+            Until::Time(time) | Until::Point(time) => Some(time),
+            Until::Still | Until::Left => None,
+        }
+    }
+
+    /// Returns the time \[s\] at which the run ends at the latest.
+    pub fn latest(self) -> f64 {
+        self.time().unwrap_or(if self == Until::Still { LATEST_REST } else { LATEST })
+    }
+
+    /// Returns what ends such a run before its time, if something does: `drive_end` \[s\] is when its drive ends, `who`
+    /// says of everybody whether they are to leave.
+    ///
+    /// # Errors
+    /// It is to end when all have left, and nobody can leave.
+    pub fn condition(
+        self,
+        drive_end: Option<f64>,
+        who: impl FnOnce() -> Vec<bool>,
+    ) -> Result<Option<StopCondition>, NobodyLeaves> {
+        Ok(match self {
+            Until::Time(_) | Until::Point(_) => None,
+            Until::Still => Some(StopCondition::Still(Still::after(drive_end))),
+            Until::Left => {
+                let who = Some(who()).filter(|who| who.contains(&true)).ok_or(NobodyLeaves)?;
+                Some(StopCondition::Left(Leaving::of(who)))
+            }
+        })
+    }
+}
+
+/// The error of a run that shall end when all have left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("nobody can leave: people do not walk, or have no exits (give a time in seconds)")]
+pub struct NobodyLeaves;
+
+/// A condition that ends a run before its time.
+#[derive(Debug, Clone)]
 pub enum StopCondition {
     /// Everybody has come to rest.
     Still(Still),
@@ -24,6 +81,7 @@ pub enum StopCondition {
 }
 
 /// Since when nobody moves.
+#[derive(Debug, Clone)]
 pub struct Still {
     /// \[s\]
     since: f64,
@@ -31,30 +89,25 @@ pub struct Still {
 }
 
 impl StopCondition {
-    /// Sees the frames of all crowds at a communication point \[s\].
-    pub fn see(&mut self, time: f64, frames: &[Frame]) {
+    /// Sees the frames of all crowds at a communication point \[s\], after a step or before the first one. Returns
+    /// whether the run is over.
+    pub(crate) fn see(&mut self, time: f64, frames: &[Frame], stepped: bool) -> bool {
         match self {
-            StopCondition::Still(still) => still.see(time, frames.iter().any(moves)),
+            // Whether anybody rests is known after a step.
+            StopCondition::Still(_) if !stepped => false,
+            StopCondition::Still(still) => {
+                still.see(time, frames.iter().any(moves));
+                still.is_over(time)
+            }
             StopCondition::Left(leaving) => {
-                leaving.see(time, &frames.iter().flat_map(places).collect::<Vec<_>>());
+                leaving.see(time, &frames.iter().flat_map(places).collect::<Vec<_>>()).is_some()
             }
         }
     }
 
-    /// Returns whether the run is over at a time \[s\].
-    pub fn is_over(&self, time: f64) -> bool {
-        match self {
-            StopCondition::Still(still) => still.is_over(time),
-            StopCondition::Left(leaving) => leaving.over().is_some(),
-        }
-    }
-
-    /// Returns how many are to leave, and how many have left, if the run waits for that.
-    pub fn left(&self) -> Option<(usize, usize)> {
-        match self {
-            StopCondition::Still(_) => None,
-            StopCondition::Left(leaving) => Some(leaving.counts()),
-        }
+    /// Returns whether all have left who were to leave.
+    pub(crate) fn have_left(&self) -> bool {
+        matches!(self, StopCondition::Left(leaving) if leaving.over() == Some(Over::Left))
     }
 }
 
@@ -68,14 +121,14 @@ pub fn moves(frame: &Frame) -> bool {
 }
 
 /// Returns where everybody is \[m\]; `None` of those who have left.
-pub fn places(frame: &Frame) -> Vec<Option<Vec2>> {
+fn places(frame: &Frame) -> Vec<Option<Vec2>> {
     let all = frame.agents.iter().enumerate();
     all.map(|(agent, motion)| frame.is_there(agent).then_some(motion.pose.position)).collect()
 }
 
 impl Still {
     /// Begins, for a run whose drive ends at a time \[s\]: before, nobody rests.
-    pub fn after(drive_end: Option<f64>) -> Still {
+    fn after(drive_end: Option<f64>) -> Still {
         Still { since: drive_end.unwrap_or(f64::NEG_INFINITY), moved: false }
     }
 

@@ -23,7 +23,7 @@ pub use error::{Error, Result};
 pub use models::{Model, Models, Plan, Template};
 pub use points::{Parameter, Points};
 pub use simulate::check_parameters;
-pub use spec::{End, Event, Spec};
+pub use spec::Spec;
 pub use summary::{check_over, summary};
 pub use sweep::{Options, Progress, Swept, sweep};
 pub use table::{Finished, Measured, Table};

@@ -5,14 +5,15 @@ use crate::error::{Error, Place, Result};
 use crate::identity;
 use crate::models::Models;
 use crate::points::Points;
-use crate::spec::{End, Event, Spec};
+use crate::spec::Spec;
 use lemons_core::trial::{Problems, Trial};
 use lemons_master::{documents_of, ensure};
-use lemons_results::measure::{Leaving, Over};
-use lemons_sim::stop::places;
-use lemons_sim::{Clock, Documents, Simulation};
+use lemons_results::Frame;
+use lemons_results::measure::Over;
+use lemons_sim::{Clock, PointKind, Simulation, Stepper, StopCondition};
 use serde_json::{Map, Value};
 use std::collections::HashSet;
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Data shared by all points.
@@ -87,7 +88,7 @@ impl Job {
 
 fn simulate(
     spec: &Spec,
-    LoadedModel { simulation, trial, clock, leave, .. }: &mut LoadedModel,
+    LoadedModel { simulation, trial, clock, end, .. }: &mut LoadedModel,
     point: usize,
     stop: &AtomicBool,
 ) -> Result<Option<Vec<Option<f64>>>> {
@@ -99,31 +100,23 @@ fn simulate(
     }
     simulation.begin(0.0, None)?;
     let mut accumulators = Accumulators::begin(spec, trial, simulation, point)?;
-    let mut leaving = leave.map(Leaving::of);
-    // [s] When the condition held, or all had left.
-    let mut ended = None;
-    let mut observe = |simulation: &mut Simulation| -> Result<bool> {
-        if stop.load(Ordering::Relaxed) {
-            return Ok(false);
+    // Whether the condition of the sweep has ended the point.
+    let mut held = false;
+    let mut add = |_: &Stepper, simulation: &mut Simulation, frames: Vec<Frame>, _| {
+        for frame in frames {
+            held = accumulators.add(simulation, frame)?;
         }
-        let frame = simulation.frame();
-        let (time, over) = (frame.time, leaving.as_mut());
-        let over = over.and_then(|leaving| leaving.see(time, &places(&frame)));
-        let holds = accumulators.add(simulation, frame)?;
-        ended = (holds || over == Some(Over::Left)).then_some(time);
-        Ok(!holds && over.is_none())
+        let stops = held || stop.load(Ordering::Relaxed);
+        Ok::<_, Error>(if stops { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     };
-    let mut points = clock.points(0);
-    while observe(simulation)?
-        && let Some(point) = points.next()
-    {
-        simulation.step_to(point.time)?;
-    }
+    let mut run = Stepper::new(*clock, 1, end.clone());
+    run.run(simulation, &mut add, PointKind::Start)?;
     if stop.load(Ordering::Relaxed) {
         return Ok(None);
     }
     let mut values = accumulators.finish(trial)?;
-    values.extend(spec.may_end().then_some(ended));
+    let ended = held || run.leaving().is_some_and(|leaving| leaving.over() == Some(Over::Left));
+    values.extend(spec.may_end().then_some(ended.then_some(simulation.time())));
     Ok(Some(values))
 }
 
@@ -132,8 +125,8 @@ pub struct LoadedModel {
     trial: Trial,
     simulation: Simulation,
     clock: Clock,
-    /// A point ends when so many have left.
-    leave: Option<usize>,
+    /// What ends a point before its time.
+    end: Option<StopCondition>,
     /// What must be equal to continue a sweep.
     identity: Map<String, Value>,
     /// What is probably not meant.
@@ -165,25 +158,15 @@ impl LoadedModel {
         let step = spec.step.unwrap_or(documents.trial.parameters.time_step);
         let clock = Clock::new(0.0, step, spec.until.latest()).map_err(lemons_master::Error::from);
         let clock = clock.place(|| "until".into())?;
-        let leave = if spec.until == End::When(Event::Left) { Some(who_leaves(&documents)?) } else { None };
+        let end = spec.until.condition(documents.drive.end(), || documents.leaving());
+        let end = end.map_err(|nobody| Error::Spec(format!("until = \"left\": {nobody}")))?;
         let identity = identity::of_documents(&documents, spec.algorithm, clock.step)?;
         let trial = documents.trial.clone();
         let simulation = Simulation::new(documents, spec.algorithm)?;
         check_parameters(&spec.points, &spec.models, &simulation)?;
         Accumulators::begin(spec, &trial, &simulation, 0)?;
-        Ok(LoadedModel { trial, simulation, clock, leave, identity, warnings })
+        Ok(LoadedModel { trial, simulation, clock, end, identity, warnings })
     }
-}
-
-/// Returns how many people have an exit.
-fn who_leaves(documents: &Documents) -> Result<usize> {
-    let leaving = documents.plan.iter().flat_map(|plan| plan.leaving());
-    let leave = leaving.filter(|leaves| *leaves).count();
-    ensure(
-        leave > 0,
-        || "until = \"left\": nobody can leave: people do not walk, or have no exits (give a time in seconds)",
-    )?;
-    Ok(leave)
 }
 
 /// Checks that parameters set something, each something else; but those that only choose what is simulated.

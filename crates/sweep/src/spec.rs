@@ -11,9 +11,8 @@ use crate::table::{ERROR, POINT, STATUS};
 use lemons_core::files::input;
 use lemons_core::trial::DriveChoice;
 use lemons_master::{FileType, PlanChoice, ensure};
-use lemons_results::measure::LATEST;
-use lemons_sim::Algorithm;
-use serde::Deserialize;
+use lemons_sim::{Algorithm, Until};
+use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -28,7 +27,7 @@ pub struct Spec {
     /// True if each Trial must have a `decision.toml`.
     pub(crate) needs_plan: bool,
     /// When a point ends.
-    pub until: End,
+    pub until: Until,
     /// What ends a point before.
     pub(crate) stop: Option<Stop>,
     /// \[s\] Communication step; `None`: that of the Trial.
@@ -53,32 +52,23 @@ pub struct Spec {
 const ELSEWHERE: [&str; 10] =
     ["trial", "fmu", "step", "drive", "plan", "algorithm", "parameters", "table", "walkable", "scenario"];
 
-/// When a point ends.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(untagged, expecting = "expected a number of seconds, or \"left\"")]
-pub enum End {
-    /// \[s\] At this time.
-    At(f64),
-    /// When the crowd has done something; at the latest after an hour.
-    When(Event),
-}
-
-/// What a crowd can do that ends a point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Event {
-    /// Everybody has left who has an exit, or nobody gets any further.
-    Left,
-}
-
-impl End {
-    /// \[s\] The latest end.
-    pub fn latest(self) -> f64 {
-        match self {
-            End::At(time) => time,
-            End::When(Event::Left) => LATEST,
-        }
+/// When a point ends, as the file says it.
+fn until<'de, D: Deserializer<'de>>(of: D) -> Result<Until, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    enum Word {
+        Left,
     }
+    #[derive(Deserialize)]
+    #[serde(untagged, expecting = "expected a number of seconds, or \"left\"")]
+    enum End {
+        Time(f64),
+        Word(Word),
+    }
+    Ok(match End::deserialize(of)? {
+        End::Time(time) => Until::Time(time),
+        End::Word(Word::Left) => Until::Left,
+    })
 }
 
 #[derive(Deserialize)]
@@ -88,7 +78,8 @@ struct Document {
     fmu: Option<String>,
     population: Option<Population>,
     scenario: Option<PathBuf>,
-    until: End,
+    #[serde(deserialize_with = "until")]
+    until: Until,
     stop: Option<Stop>,
     step: Option<f64>,
     drive: Option<FileText>,
@@ -269,7 +260,7 @@ impl Spec {
 
     /// Returns whether points may end by themselves, before their latest end. The table then has the column `ended`.
     pub fn may_end(&self) -> bool {
-        self.until == End::When(Event::Left) || self.stop.is_some()
+        self.until == Until::Left || self.stop.is_some()
     }
 }
 
@@ -335,7 +326,7 @@ mod tests {
     fn a_grid() {
         let spec = read(GOOD).unwrap();
         let model = &spec.models.all[0].0;
-        assert_eq!((model, spec.until, spec.points.count), (&PathBuf::from("in/push"), End::At(2.0), 6));
+        assert_eq!((model, spec.until, spec.points.count), (&PathBuf::from("in/push"), Until::Time(2.0), 6));
         let mass = &spec.points.parameters[0];
         assert_eq!((mass.name.as_str(), mass.at(0), mass.at(5)), ("agent[*].Mass", "50.0", "200.0"));
         assert!((mass.at(2).parse::<f64>().unwrap() - 100.0).abs() < 1e-12);

@@ -3,13 +3,13 @@
 use super::Arguments;
 use super::options::Named;
 use crate::interrupt::Interrupt;
-use crate::run::Until;
 use anyhow::{Result, bail};
 use lemons_results::measure::{
     Balance, By, Density, Departures, Exposed, Exposure, Kept, Left, Line, MeasuringArea, MovingMeans,
     Passages, Room, quantile, squeeze, squeeze_by, within,
 };
 use lemons_results::{Frame, Record};
+use lemons_sim::Until;
 
 /// What was seen.
 pub struct Seen<'a> {

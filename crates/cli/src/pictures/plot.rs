@@ -9,7 +9,7 @@ use crate::files::Force;
 use crate::interrupt::Interrupt;
 use crate::numbers::{seconds, within as number_within};
 use crate::output::Output;
-use crate::run::{Until, until};
+use crate::run::until;
 use anyhow::{Context, Result, bail};
 use lemons_core::plane::Vec2;
 use lemons_picture::{
@@ -18,6 +18,7 @@ use lemons_picture::{
 };
 use lemons_results::Frame;
 use lemons_results::measure::within;
+use lemons_sim::Until;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

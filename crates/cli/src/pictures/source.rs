@@ -5,7 +5,7 @@ use crate::embedded::InMemory;
 use crate::error::Misused;
 use crate::export::{expect_table, recorded, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::run::{Inputs, Job, Target, Until, name_and_value, not_set, simulate};
+use crate::run::{Inputs, Job, Target, name_and_value, not_set, simulate};
 use crate::trajectories::TrajectoryArguments;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
@@ -15,7 +15,7 @@ use lemons_decision::Plan;
 use lemons_master::{PlanChoice, Settings, TrialInput, plan_of};
 pub use lemons_results::KeptFrames;
 use lemons_results::{Frame, Record, Run};
-use lemons_sim::{Algorithm, Clock, Documents, Simulation};
+use lemons_sim::{Algorithm, Clock, Documents, Simulation, Until};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

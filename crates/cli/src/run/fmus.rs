@@ -1,6 +1,6 @@
 //! A run of an FMU, or of FMUs that an SSP couples: frames of its crowds, from the outputs of their FMUs.
 
-use super::model::{CrowdInfo, Prepared, RunModel};
+use super::model::{CrowdInfo, Model, Prepared};
 use super::outputs::OutputValues;
 use anyhow::{Error, Result, anyhow};
 use crowd_mechanics::quantities::segments;
@@ -9,6 +9,7 @@ use lemons_master::ssp::{Interface, Kind as Causality, Type, Variable};
 use lemons_master::{Component, Selection, Settings, System, plan_in};
 use lemons_results::columns::{self, Column, Groups};
 use lemons_results::{CellType, Frame, OfWall};
+use lemons_sim::RunModel;
 
 struct FmuRun {
     run: lemons_master::Prepared,
@@ -90,6 +91,8 @@ pub fn prepare(settings: &Settings) -> Result<Prepared> {
 }
 
 impl RunModel for FmuRun {
+    type Error = Error;
+
     fn step_to(&mut self, time: f64) -> Result<()> {
         Ok(self.run.step_to(time)?)
     }
@@ -98,10 +101,12 @@ impl RunModel for FmuRun {
         self.run.system.time
     }
 
-    fn frame(&self, crowd: usize) -> Result<Frame> {
-        self.crowds[crowd].frame(&self.run.system)
+    fn frames(&self) -> Result<Vec<Frame>> {
+        self.crowds.iter().map(|crowd| crowd.frame(&self.run.system)).collect()
     }
+}
 
+impl Model for FmuRun {
     fn outputs(&mut self) -> Result<OutputValues> {
         let mut values = OutputValues::default();
         for (place, numbers, texts) in &self.outputs {

@@ -1,14 +1,13 @@
 //! The model that a run steps: a Trial in memory, or FMUs.
 
 use super::outputs::OutputValues;
-use anyhow::Result;
+use anyhow::{Error, Result};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::Plan;
 use lemons_master::{ComponentRecord, Saved};
-use lemons_results::Frame;
 use lemons_results::columns::{Column, Groups};
-use lemons_sim::Clock;
+use lemons_sim::{Clock, RunModel};
 
 /// A crowd whose frames a run records.
 pub struct CrowdInfo {
@@ -24,17 +23,8 @@ pub struct CrowdInfo {
     pub guid: String,
 }
 
-/// A model that a run steps.
-pub trait RunModel {
-    /// Steps to a communication point \[s\].
-    fn step_to(&mut self, time: f64) -> Result<()>;
-
-    /// \[s\] The last communication point.
-    fn time(&self) -> f64;
-
-    /// A crowd at the last communication point.
-    fn frame(&self, crowd: usize) -> Result<Frame>;
-
+/// A model that the command runs.
+pub trait Model: RunModel<Error = Error> {
     /// \[N\] The forces that drive the people of a crowd, if they are known.
     fn drive(&self) -> Option<Vec<Vec2>> {
         None
@@ -57,7 +47,7 @@ pub trait RunModel {
 
 /// A run that is ready: at its first communication point, or at that of the saved run.
 pub struct Prepared {
-    pub model: Box<dyn RunModel>,
+    pub model: Box<dyn Model>,
     pub crowds: Vec<CrowdInfo>,
     /// Columns of the outputs of components that are no crowds.
     pub output_columns: Vec<Column>,

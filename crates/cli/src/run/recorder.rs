@@ -10,7 +10,7 @@ use lemons_core::plane::Vec2;
 use lemons_core::trial::Agent;
 use lemons_master::{CrowdRecord, Saved};
 use lemons_results::{Content, Format, Frame, FrameWriter, KeptFrames, Recorder, Run};
-use lemons_sim::{ExposureSum, Extremes, Greatest};
+use lemons_sim::{ExposureSum, Extremes, Greatest, PointKind};
 use std::path::{Path, PathBuf};
 
 /// Where the rows of a crowd go.
@@ -52,19 +52,6 @@ pub struct Recorded {
     pub run: Option<Run>,
     /// Poses, if they were kept.
     pub poses: Option<Poses>,
-}
-
-/// A communication point at which a run is looked at.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum PointKind {
-    /// The first one: its rows are written, and there has been no step.
-    Start,
-    /// The point from which a saved run goes on: its rows are in the table of the run before.
-    Resumed,
-    /// The end of a step, whose rows are written.
-    Written,
-    /// The end of a step, whose squeeze goes into the next rows.
-    Passed,
 }
 
 impl CrowdRecorder {

@@ -1,6 +1,6 @@
 //! A run of a Trial in memory.
 
-use super::model::{CrowdInfo, Prepared, RunModel};
+use super::model::{CrowdInfo, Model, Prepared};
 use super::outputs::OutputValues;
 use anyhow::{Context, Error, Result, anyhow, bail};
 use crowd_mechanics::engine::Wrench;
@@ -13,7 +13,7 @@ use lemons_master::{ComponentRecord, Settings, TrialInput, notes};
 use lemons_results::columns::{ALL, Column, Groups};
 use lemons_results::{CellType, Frame};
 use lemons_sim::settings::{CROWD, DECISION, Selection};
-use lemons_sim::{SimError, Simulation};
+use lemons_sim::{RunModel, SimError, Simulation};
 
 /// Name of the component in a saved run of people who walk.
 const WALKERS: &str = "crowd and decision";
@@ -44,6 +44,8 @@ fn columns_of(simulation: &Simulation) -> Vec<Column> {
 }
 
 impl RunModel for TrialRun {
+    type Error = Error;
+
     fn step_to(&mut self, time: f64) -> Result<()> {
         Ok(self.simulation.step_to(time)?)
     }
@@ -52,10 +54,12 @@ impl RunModel for TrialRun {
         self.simulation.time()
     }
 
-    fn frame(&self, _: usize) -> Result<Frame> {
-        Ok(self.simulation.frame())
+    fn frames(&self) -> Result<Vec<Frame>> {
+        Ok(self.simulation.frames()?)
     }
+}
 
+impl Model for TrialRun {
     fn drive(&self) -> Option<Vec<Vec2>> {
         Some(self.simulation.world()?.drive.iter().map(|drive| drive.force).collect())
     }

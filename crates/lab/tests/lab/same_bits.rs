@@ -34,8 +34,8 @@ fn of_simulation(documents: &Documents, algorithm: Algorithm, clock: &Clock) -> 
     let mut simulation = Simulation::new(documents.clone(), algorithm).unwrap();
     simulation.begin(0.0, None).unwrap();
     let mut all = vec![bits(&simulation.frame())];
-    for point in clock.points(0) {
-        simulation.step_to(point.time).unwrap();
+    for time in clock.points(0) {
+        simulation.step_to(time).unwrap();
         all.push(bits(&simulation.frame()));
     }
     all
@@ -64,8 +64,8 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
         bits(&Frame::of_values(0.0, agents, groups, &values).unwrap())
     };
     let mut all = vec![see(&run)];
-    for point in clock.points(0) {
-        run.step_to(point.time).unwrap();
+    for time in clock.points(0) {
+        run.step_to(time).unwrap();
         all.push(see(&run));
     }
     all

@@ -46,8 +46,8 @@ fn ours(fmu: &Path, directory: &Path) -> Vec<Vec<u64>> {
     .unwrap();
     let points: Vec<_> = run.clock.points(0).collect();
     let mut rows = Vec::new();
-    for point in points {
-        run.step_to(point.time).unwrap();
+    for time in points {
+        run.step_to(time).unwrap();
         let instance = &run.system.components[0].instance;
         rows.push(bits(&instance.values(&instance.select(elements()).unwrap()).unwrap()));
     }

@@ -24,9 +24,9 @@ fn poses(settings: &Settings, most: usize) -> (Prepared, Vec<Row>) {
     let mut run = Prepared::of(settings).unwrap();
     let begun = run.before.as_ref().map_or(0, |before| before.index);
     let mut rows = Vec::new();
-    for point in run.clock.points(begun).take(most) {
-        run.step_to(point.time).unwrap();
-        rows.push(row(&run.system.components[0].instance, point.time).unwrap());
+    for time in run.clock.points(begun).take(most) {
+        run.step_to(time).unwrap();
+        rows.push(row(&run.system.components[0].instance, time).unwrap());
     }
     (run, rows)
 }

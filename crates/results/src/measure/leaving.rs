@@ -35,10 +35,9 @@ pub struct Wait {
 /// A run that ends when people have left. It is given all communication points in the order of time.
 #[derive(Debug, Clone)]
 pub struct Leaving {
-    /// How many are to leave.
-    leave: usize,
-    /// And who; empty if that is not known.
+    /// Whether somebody is to leave, and how many are.
     who: Vec<bool>,
+    leave: usize,
     left: usize,
     /// \[s\] Since then nobody has got further than [`REACH`] from these places \[m\]; `None` of those who have left.
     since: f64,
@@ -50,24 +49,18 @@ pub struct Leaving {
 }
 
 impl Leaving {
-    /// Begins; the run is over when so many have left.
-    pub fn of(leave: usize) -> Leaving {
-        let (since, over, longest) = (f64::NEG_INFINITY, None, None);
+    /// Begins; the run is over when all have left who are to leave.
+    pub fn of(who: Vec<bool>) -> Leaving {
         Leaving {
-            leave,
-            who: Vec::new(),
+            leave: who.iter().filter(|leaves| **leaves).count(),
+            who,
             left: 0,
-            since,
+            since: f64::NEG_INFINITY,
             places: Vec::new(),
-            over,
+            over: None,
             waits: Vec::new(),
-            longest,
+            longest: None,
         }
-    }
-
-    /// Says of everybody who is to leave.
-    pub fn among(self, who: Vec<bool>) -> Leaving {
-        Leaving { who, ..self }
     }
 
     /// Sees at a time \[s\] where everybody is \[m\]; `None` of those who have left.
@@ -147,7 +140,7 @@ mod tests {
 
     /// When it is over, and why, of people who are there \[m\] at each second; at most an hour.
     fn over(leave: usize, places: impl Fn(f64) -> Vec<Option<Vec2>>) -> Option<(f64, Over)> {
-        let mut leaving = Leaving::of(leave);
+        let mut leaving = Leaving::of((0..2).map(|agent| agent < leave).collect());
         (0..=3600).map(f64::from).find_map(|time| Some((time, leaving.see(time, &places(time))?)))
     }
 
@@ -169,7 +162,7 @@ mod tests {
     #[test]
     fn who_stays_is_who_was_to_leave() {
         let here = Some(vec2(0.0, 0.0));
-        let mut leaving = Leaving::of(2).among(vec![true, false, true]);
+        let mut leaving = Leaving::of(vec![true, false, true]);
         leaving.see(0.0, &[here, here, here]);
         leaving.see(1.0, &[None, here, here]);
         assert_eq!((leaving.stay().collect::<Vec<_>>(), leaving.counts()), (vec![2], (2, 1)));
@@ -177,7 +170,7 @@ mod tests {
 
     #[test]
     fn nobody_waits_who_is_not_there_or_is_not_to_leave() {
-        let mut leaving = Leaving::of(1).among(vec![true, false]);
+        let mut leaving = Leaving::of(vec![true, false]);
         (0..10).map(f64::from).for_each(|time| {
             leaving.see(time, &[None, Some(vec2(0.0, 0.0))]);
         });
@@ -186,7 +179,7 @@ mod tests {
 
     #[test]
     fn the_longest_wait_is_that_of_somebody_who_is_to_leave() {
-        let mut leaving = Leaving::of(2).among(vec![true, true, false]);
+        let mut leaving = Leaving::of(vec![true, true, false]);
         // The first one walks 10 m, waits from 10 to 30 s, and leaves; the second one always gets on.
         for time in (0..=40).map(f64::from) {
             let first = vec2(time.min(10.0) + (time - 30.0).max(0.0), 0.0);

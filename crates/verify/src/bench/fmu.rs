@@ -150,7 +150,7 @@ fn push(runs: usize) -> Result<[f64; 2]> {
     for _ in 0..runs {
         let mut prepared = Prepared::of(&settings)?;
         let (wall, processor) = (Instant::now(), ProcessTime::now());
-        prepared.clock.points(0).try_for_each(|point| prepared.step_to(point.time))?;
+        prepared.clock.points(0).try_for_each(|time| prepared.step_to(time))?;
         let run = [wall.elapsed().as_secs_f64(), processor.elapsed().as_secs_f64()];
         if run[0] < best[0] {
             best = run;
