@@ -24,7 +24,6 @@ use lemons_core::plane::Vec2;
 use lemons_core::trial::DriveChoice;
 use lemons_decision::Plan;
 use lemons_decision::target::nearest_exit;
-use lemons_decision::walking_model::WalkingModel;
 use lemons_master::{FileType, PlanChoice, Saved, Settings, TrialInput, writers};
 use lemons_results::measure::{Leaving, WAITING, Wait};
 use lemons_results::{Format, Frame, Run};
@@ -504,7 +503,7 @@ fn stuck_warning(model: &dyn Model, plan: &Plan, crowd: &CrowdRecorder) -> Optio
     let frame = &crowd.last;
     let (forces, observed) = (model.drive()?, frame.observed.as_ref()?);
     // With legs, who is pushed and stands does not press on.
-    if plan.walking_model != WalkingModel::Straight || plan.balance.is_some() {
+    if plan.walking_model.sees_others() || plan.balance.is_some() {
         return None;
     }
     let people = plan.agents.iter().zip(forces).zip(observed).zip(&frame.agents);

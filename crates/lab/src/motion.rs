@@ -6,7 +6,7 @@ use crate::{Refused, require, within};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{DRIVE_FILE, Trial};
 use lemons_decision::rule::Waypoint;
-use lemons_decision::{BalanceName, DecisionConfig, Person, plan};
+use lemons_decision::{BalanceName, DecisionConfig, plan};
 use lemons_scenario::Push;
 use serde::Deserialize;
 
@@ -91,7 +91,7 @@ fn forget_deleted(driven: &mut Driven) -> Result<(), Refused> {
     }
     if !driven.wishes.is_empty() {
         let wishes = DecisionConfig::from_toml(&driven.wishes)?;
-        if let Some(fewer) = wishes.without_others(&Person::all_of(&driven.trial)) {
+        if let Some(fewer) = wishes.without_others(&driven.trial.agents) {
             driven.wishes = fewer.to_toml()?;
         }
     }
@@ -124,6 +124,6 @@ fn wishes(
             seed,
         ));
     }
-    let wishes = DecisionConfig::nearest_of(&Person::all_of(trial), speed, ways);
+    let wishes = DecisionConfig::nearest_of(trial, speed, ways);
     wishes.ok_or_else(|| Refused("nobody can walk: there is no way".into()))
 }

@@ -9,13 +9,6 @@ use lemons_core::plane::{Vec2, vec2};
 use lemons_decision::{BalanceName, GroupsConfig, Spread, TargetConfig, WalkingModelName};
 use lemons_scenario::Scenario;
 
-/// Walking models, the usual one first.
-const MODELS: [WalkingModelName; 4] = [
-    WalkingModelName::Rotational,
-    WalkingModelName::CollisionFreeSpeed,
-    WalkingModelName::SocialForce,
-    WalkingModelName::Straight,
-];
 const BALANCES: [BalanceName; 2] = [BalanceName::Pendulum, BalanceName::TwoLevel];
 
 #[derive(clap::Args)]
@@ -35,10 +28,7 @@ pub struct LeaveArguments {
     )]
     exits: Vec<[Vec2; 2]>,
     /// How people walk around others. straight: not at all. Default: rotational
-    #[arg(
-        long,
-        value_parser = named(&MODELS, WalkingModelName::name)
-    )]
+    #[arg(long, value_parser = named(WalkingModelName::ALL, WalkingModelName::name))]
     model: Option<WalkingModelName>,
     /// Greatest force with which people push ahead, in N: of everybody, or the mean and the standard
     /// deviation of a normal distribution, as in 150,50. With rotational, squeezes hardly grow with it above
