@@ -185,7 +185,7 @@ export type Target = { name: string, stay: boolean, corners: Array<[number, numb
 export type Understood = { room: Room | null, exits: Array<ExitFound>, distributions: Array<Array<[number, number]>>, waypoints: number, area: number | null, said: Array<[string, string]>, layers: Array<string>, doubt: string | null, proposal: Proposed | null, };
 
 /** Name of a model of how people walk among others. */
-export type WalkingModelName = "straight" | "collision-free-speed" | "social-force" | "rotational";
+export type WalkingModelName = "rotational" | "collision-free-speed" | "social-force" | "straight";
 
 /** A wall of a scene. */
 export type WallShown = { id: string, corners: Array<[number, number]>, open?: Array<[number, number]>, };
