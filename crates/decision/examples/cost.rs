@@ -5,7 +5,7 @@
 
 use lemons_core::plane::{Motion, vec2};
 use lemons_core::trial::{Agent, AgentDynamics, Trial, Wall};
-use lemons_decision::{Decision, DecisionConfig, Plan};
+use lemons_decision::{Decision, DecisionConfig, Plan, WalkingModelName};
 use std::time::Instant;
 
 fn main() {
@@ -26,7 +26,7 @@ fn main() {
             [(26.0, middle + 1.0), (26.0, high), (0.0, high), (0.0, 0.0), (26.0, 0.0), (26.0, middle - 1.0)];
         let hall = Wall::new("hall", "", hall.map(|(x, y)| vec2(x, y)).to_vec());
         let trial = Trial::of((0..rows * columns).map(person), vec![hall], 0.02);
-        let models = ["straight", "collision-free-speed", "social-force", "rotational"];
+        let models = WalkingModelName::ALL.iter().map(|model| model.name());
         let walking = |model: &str, share: f64| {
             let exit = |name: &str, x: f64, share: f64| {
                 let (low, high) = (middle - 1.0, middle + 1.0);
@@ -36,7 +36,7 @@ fn main() {
             format!("model = \"{model}\"\nexits = [{exits}]")
         };
         let mut configs: Vec<(String, String)> =
-            models.map(|model| (model.to_owned(), walking(model, 1.0))).into();
+            models.map(|model| (model.to_owned(), walking(model, 1.0))).collect();
         configs.push(("rotational, half of them the other way".to_owned(), walking("rotational", 0.5)));
         for balance in ["pendulum", "two-level"] {
             let config = format!("balance = \"{balance}\"");

@@ -3,11 +3,13 @@
 use lemons_core::plane::{Motion, Vec2, vec2};
 use lemons_core::trial::{Agent, AgentDynamics, Trial, Wall};
 use lemons_decision::plan::Planned;
-use lemons_decision::{Decision, DecisionConfig, Plan};
+use lemons_decision::{Decision, DecisionConfig, Plan, WalkingModelName};
 use lemons_fmi::Model;
 
 const STEP: f64 = 0.02;
-const MODELS: [&str; 4] = ["straight", "collision-free-speed", "social-force", "rotational"];
+fn models() -> impl Iterator<Item = &'static str> {
+    WalkingModelName::ALL.iter().map(|model| model.name())
+}
 
 type Person = (Agent, AgentDynamics);
 
@@ -91,7 +93,7 @@ fn who_would_have_to_turn_the_head_slows_down() {
 
 #[test]
 fn a_group_walks_side_by_side_at_the_speed_of_the_slowest() {
-    for model in MODELS {
+    for model in models() {
         let config = format!(
             "model = {model:?}\n{FAR}groups.members = [[\"0\", \"1\", \"2\"]]\n[agents.0]\ndesired_speed = 0.9\n\
              [agents.1]\ndesired_speed = 1.6"
@@ -113,7 +115,7 @@ fn a_group_walks_side_by_side_at_the_speed_of_the_slowest() {
 
 #[test]
 fn who_is_ahead_waits_and_without_a_group_does_not() {
-    for model in MODELS {
+    for model in models() {
         let apart = |groups: &str| {
             let people = [person(0, 0.0, 0.0), person(1, 8.0, 1.0)];
             let places = walk(plan(&[], &people, &format!("model = {model:?}\n{FAR}{groups}")), 20.0);

@@ -91,6 +91,7 @@ impl Decision {
 mod tests {
     use super::super::{Quantity, tests::decision};
     use super::*;
+    use crate::WalkingModelName;
     use lemons_core::plane::{Motion, Pose, Twist, vec2};
     use lemons_fmi::Model;
     use lemons_fmi::variables::{Dependencies, Known};
@@ -139,8 +140,9 @@ mod tests {
         let goal = "goals = [{ polygon = [[-1, -1], [1, -1], [1, 1], [-1, 1]] }]";
         let slow = "waypoints = [{ x = 9, y = 0 }]\n[agents.0]\ndesired_speed = 0.05";
         let stays = "exits = [{ line = [[9, -5], [9, 5]] }]\n[agents.0]\nwaypoints = []";
-        for (model, wishes) in ["straight", "collision-free-speed", "social-force", "rotational"]
-            .into_iter()
+        for (model, wishes) in WalkingModelName::ALL
+            .iter()
+            .map(|model| model.name())
             .flat_map(|model| [goal, slow, stays].map(|wishes| (model, wishes)))
         {
             let balance = if model == "straight" { "two-level" } else { "pendulum" };

@@ -1,4 +1,5 @@
 use super::*;
+use crate::WalkingModelName;
 use crate::config::DecisionConfig;
 use lemons_core::trial::{self, AgentDynamics, Trial};
 
@@ -45,7 +46,7 @@ fn motivation_changes_at_its_time_and_a_saved_run_goes_on_alike() {
 
 #[test]
 fn who_has_not_started_stands() {
-    for model in ["straight", "rotational", "collision-free-speed", "social-force"] {
+    for model in WalkingModelName::ALL.iter().map(|model| model.name()) {
         let mut decision = decision(&format!(
             "model = \"{model}\"\nwaypoints = [{{ x = 5, y = 0 }}]\nstart = 0.1\n[agents.1]\nstart = 0"
         ));
