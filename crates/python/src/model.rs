@@ -104,6 +104,12 @@ impl Model {
         self.documents.trial.parameters.time_step
     }
 
+    /// What the plan says of everybody, as text that is equal for equal plans: for tests.
+    fn planned(&self) -> Option<String> {
+        let plan = Plan { config: DecisionConfig::default(), fingerprint: 0, ..self.documents.plan.clone()? };
+        Some(format!("{plan:?}"))
+    }
+
     /// The Trial's drive.csv.
     fn drive<'py>(&self, py: Python<'py>) -> PyResult<Drives<'py>> {
         drives(py, &self.documents.drive, &self.ids())
