@@ -4,7 +4,7 @@
 //! there is only the line with the names of columns.
 
 use super::Arguments;
-use super::summary::{OfLine, OfPart, OfSqueeze, Piece, Summary};
+use super::summary::{OfArea, OfLine, OfPart, OfSqueeze, Summary};
 use anyhow::Result;
 use lemons_results::measure::{Above, By, Flow, Kept, Passage, SPANS, Way, windows};
 use serde::Serialize;
@@ -61,9 +61,8 @@ fn gaps(ids: &[String], summary: &Summary) -> Result<String> {
 /// A row for each area and frame.
 fn density(summary: &Summary) -> Result<String> {
     let rows = summary.areas.iter().flat_map(|area| {
-        area.over_time
-            .iter()
-            .map(|at| (&area.name, at.time, at.people, at.density, at.voronoi_density, at.speed))
+        let OfArea { name, over_time, .. } = area;
+        over_time.iter().map(move |seen| (name, seen.time, seen))
     });
     csv(&["area", "t", "people", "density", "voronoi_density", "speed"], rows)
 }
@@ -112,9 +111,5 @@ fn people(arguments: &Arguments, ids: &[String], summary: &Summary) -> Result<St
 fn walls(summary: &Summary) -> Result<String> {
     let names =
         ["segment", "wall", "x1", "y1", "x2", "y2", "largest_mean_step", "largest_mean_1", "peak", "impulse"];
-    let row = |piece: &Piece| {
-        let Piece { segment, from, to, largest_mean_step, largest_mean_1, peak, impulse, .. } = piece;
-        (*segment, piece.wall.clone(), *from, *to, *largest_mean_step, *largest_mean_1, *peak, *impulse)
-    };
-    csv(&names, summary.walls.iter().flatten().map(row))
+    csv(&names, summary.walls.iter().flatten())
 }

@@ -99,7 +99,9 @@ impl Exposure {
         let mut steps = seen.unwrap_or_default().iter().map(|seen| seen.of_step);
         self.said &= seen.is_some()
             && steps.all(|step| step.is_some_and(|step| by.is_none() || step.mean_wall_force.is_some()));
-        self.add(frame.time, (0..self.people.len()).map(|agent| squeeze(frame, agent, by)));
+        if self.said {
+            self.add(frame.time, (0..self.people.len()).map(|agent| squeeze(frame, agent, by)));
+        }
     }
 
     /// Adds the next communication point \[s\], with mean and peak squeeze \[N\] of each person over the step that ends
