@@ -289,7 +289,7 @@ fn time_above_a_limit_is_that_of_the_library() {
         let squeeze = frame.map(|squeeze| squeeze.is_finite().then_some((squeeze, squeeze)));
         exposure.add(k as f64 * step, squeeze.into_iter());
     }
-    let one = exposure.finish()[0].above[0].unwrap();
+    let one = exposure.so_far()[0].above[0].unwrap();
     assert_eq!(
         [number("first"), number("longest"), number("time")],
         [one.first.unwrap(), one.longest, one.time]
