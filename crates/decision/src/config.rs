@@ -221,7 +221,8 @@ impl DecisionConfig {
     /// # Errors
     /// The text is not TOML, or has unknown keys or values of the wrong type; with line and column.
     pub fn from_toml(text: &str) -> Result<DecisionConfig, PlanError> {
-        toml::from_str(text).map_err(|error| PlanError::Toml(explained(&error)))
+        let explained = |error: toml::de::Error| words::explained(&error.to_string(), error.message());
+        toml::from_str(text).map_err(|error| PlanError::Toml(explained(error)))
     }
 
     /// Returns the text of a `decision.toml`, with units. Every number is read back as the same double.
@@ -377,17 +378,5 @@ impl DecisionConfig {
             WalkingModelName::SocialForce => WalkingModel::SocialForce(self.social_force.unwrap_or_default()),
             WalkingModelName::Rotational => WalkingModel::Rotational(self.rotational.unwrap_or_default()),
         })
-    }
-}
-
-/// Returns the message, with a suggestion for an unknown key.
-fn explained(error: &toml::de::Error) -> String {
-    // The keys are between backticks: first the unknown one, then the expected ones.
-    let said = error.to_string();
-    let mut expected = error.message().split('`').skip(1).step_by(2);
-    let unknown = expected.next().filter(|_| error.message().starts_with("unknown field"));
-    match unknown.and_then(|unknown| words::meant(unknown, expected)) {
-        Some(meant) => format!("{}\ndid you mean `{meant}`?", said.trim_end()),
-        None => said,
     }
 }

@@ -57,10 +57,10 @@ impl Driven {
         Driven { trial, people, drive, table: DriveTable::default(), wishes, plan: None }
     }
 
-    /// Reads its texts.
+    /// Reads its decision.toml.
     ///
     /// # Errors
-    /// One has errors, or does not fit to the Trial.
+    /// It has errors, or does not fit to the Trial.
     pub fn read(self) -> Result<Driven, Refused> {
         let config =
             (!self.wishes.is_empty()).then(|| DecisionConfig::from_toml(&self.wishes)).transpose()?;
@@ -68,18 +68,19 @@ impl Driven {
         Ok(Driven { wishes, ..self.decided(config)? })
     }
 
-    /// Takes settings of Decision, and reads the text of the drive.
+    /// Takes settings of Decision.
     ///
     /// # Errors
-    /// They do not fit to the Trial, or the drive has errors.
+    /// They do not fit to the Trial.
     pub fn decided(self, config: Option<DecisionConfig>) -> Result<Driven, Refused> {
-        let table = match self.drive.as_str() {
-            "" => DriveTable::default(),
-            text => DriveTable::from_csv(text.as_bytes())?,
-        };
         let plan = config.as_ref().map(|config| Plan::of(&self.trial, config)).transpose()?;
         let wishes = config.as_ref().map(DecisionConfig::to_toml).transpose()?.unwrap_or_default();
-        Ok(Driven { table, plan, wishes, ..self })
+        Ok(Driven { plan, wishes, ..self })
+    }
+
+    /// Takes a drive.
+    pub fn push(&mut self, table: DriveTable) {
+        (self.drive, self.table) = (table.text_for(&self.trial), table);
     }
 }
 

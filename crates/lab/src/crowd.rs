@@ -142,12 +142,12 @@ const WORDS: [(&str, &str); 2] =
 
 /// A text about a scenario in words of the page.
 fn words(text: &str) -> String {
-    named(text, |key| WORDS.iter().find(|(own, _)| *own == key).map_or(key, |(_, words)| words).to_owned())
+    named(text, |key| Some(WORDS.iter().find(|(own, _)| *own == key)?.1.to_owned())).replace('`', "")
 }
 
 fn told(error: ScenarioError) -> Refused {
     match error {
-        ScenarioError::Toml(what) => Refused(what),
+        ScenarioError::Toml(what) | ScenarioError::NoRoom { what, .. } => Refused(what),
         error => Refused(words(&error.to_string())),
     }
 }
@@ -183,6 +183,7 @@ fn made(
         statistics: CrowdStatistics::of(&agents),
     };
     let notes = notes.iter().map(|note| words(note)).collect();
-    let driven = Driven { drive, ..Driven::alone(trial, Some(agents)) };
+    let mut driven = Driven::alone(trial, Some(agents));
+    driven.push(drive);
     Ok(Basis { driven: driven.decided(decision.map(|(config, _)| config))?, notes, made: Some(made) })
 }

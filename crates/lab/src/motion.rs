@@ -63,7 +63,7 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
         }
         Motion::None {} => None,
         Motion::Push { pushes, balance } => {
-            driven.drive = lemons_scenario::drive(&driven.trial, pushes)?;
+            driven.push(lemons_scenario::drive(&driven.trial, pushes)?);
             (*balance != BalanceName::None).then(|| DecisionConfig::standing(*balance))
         }
         Motion::Walk { speed, ways, shares, seed } => {
@@ -87,7 +87,7 @@ pub fn missed(of: &Driven) -> Option<String> {
 /// The files of a Trial must not name people who are not there any more.
 fn forget_deleted(driven: &mut Driven) -> Result<(), Refused> {
     if driven.table.check_agents(Some(&driven.trial)).is_err() {
-        driven.drive = driven.table.text_for(&driven.trial);
+        driven.push(driven.table.of_those(&driven.trial));
     }
     if !driven.wishes.is_empty() {
         let wishes = DecisionConfig::from_toml(&driven.wishes)?;

@@ -1,9 +1,9 @@
 //! Pushes: pulses on all who stand in a circle.
 
-use crate::error::{Result, impossible, require};
+use crate::error::{Result, impossible, within};
 use crate::forms::Pair;
 use lemons_core::plane::vec2;
-use lemons_core::trial::{Pulse, Trial, drive_of_pulses};
+use lemons_core::trial::{DriveTable, Pulse, Trial, drive_of_pulses};
 use lemons_people::heading;
 use serde::{Deserialize, Serialize};
 
@@ -30,16 +30,11 @@ pub struct Push {
 impl Push {
     /// Checks that each number is in its range.
     pub(crate) fn check(&self) -> Result<()> {
-        for (what, value, [low, high]) in [
-            ("radius of a push [m]", self.radius, [0.01, 1000.0]),
-            ("force of a push [N]", self.force, [0.0, 1e5]),
-            ("direction of a push [°]", self.direction, [-360.0, 360.0]),
-            ("start of a push [s]", self.start, [0.0, 1e4]),
-            ("duration of a push [s]", self.duration, [0.01, 1e4]),
-        ] {
-            require((low..=high).contains(&value), || format!("{what} = {value}: must be {low} to {high}"))?;
-        }
-        Ok(())
+        within("radius of a push [m]", self.radius, [0.01, 1000.0])?;
+        within("force of a push [N]", self.force, [0.0, 1e5])?;
+        within("direction of a push [°]", self.direction, [-360.0, 360.0])?;
+        within("start of a push [s]", self.start, [0.0, 1e4])?;
+        within("duration of a push [s]", self.duration, [0.01, 1e4])
     }
 
     fn pulse(&self) -> Result<Pulse> {
@@ -49,14 +44,11 @@ impl Push {
     }
 }
 
-/// Returns the text of a drive.csv of pushes; empty without any.
+/// Returns the drive of pushes; empty without any.
 ///
 /// # Errors
 /// A number of a push is not possible, or it reaches nobody.
-pub fn drive(trial: &Trial, pushes: &[Push]) -> Result<String> {
-    if pushes.is_empty() {
-        return Ok(String::new());
-    }
+pub fn drive(trial: &Trial, pushes: &[Push]) -> Result<DriveTable> {
     let pulses = pushes.iter().map(Push::pulse).collect::<Result<Vec<_>>>()?;
     drive_of_pulses(trial, &pulses)
         .map_err(|lost| impossible(format!("push {}: nobody stands in its circle", lost + 1)))

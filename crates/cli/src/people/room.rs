@@ -221,7 +221,7 @@ fn propose(arguments: &Arguments) -> Result<()> {
             error => error.into(),
         })
         .with_context(named)?;
-    let given = reading.form().enclosing();
+    let given = reading.form().settings().enclosing;
     let found = Proposal::of(&drawing, &reading.walls, reading.close, given.as_ref()).with_context(named)?;
     let Some(mut found) = found else {
         bail!(

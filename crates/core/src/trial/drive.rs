@@ -182,6 +182,20 @@ impl DriveTable {
         found.or(drive)
     }
 
+    /// Adds an agent's rows, in the order of their times.
+    pub(super) fn add(&mut self, agent: &str, rows: Vec<(f64, Push)>) {
+        self.lines.insert(agent.to_owned(), self.lines.len() as u64);
+        self.agents.insert(agent.to_owned(), rows);
+    }
+
+    /// Returns the same without agents who are not in the Trial.
+    pub fn of_those(&self, trial: &Trial) -> DriveTable {
+        let mut fewer = DriveTable::default();
+        let named = trial.agents.iter().filter_map(|agent| Some((&agent.id, self.rows(&agent.id)?)));
+        named.for_each(|(agent, rows)| fewer.add(agent, rows.to_vec()));
+        fewer
+    }
+
     /// Returns the agents that the file names.
     pub fn agents(&self) -> impl Iterator<Item = &str> {
         self.agents.keys().map(String::as_str)

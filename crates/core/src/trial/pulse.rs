@@ -45,13 +45,12 @@ impl Pulse {
     }
 }
 
-/// Returns the drive file of pulses: they act besides what AgentDynamics.xml says, which goes on before and after them.
-/// Numbers are read back as the same doubles.
+/// Returns the drive of pulses: they act besides what AgentDynamics.xml says, which goes on before and after them.
 ///
 /// # Errors
 /// The place of a pulse that reaches nobody.
-pub fn drive_of_pulses(trial: &Trial, pulses: &[Pulse]) -> Result<String, usize> {
-    let mut text = HEAD.to_owned();
+pub fn drive_of_pulses(trial: &Trial, pulses: &[Pulse]) -> Result<DriveTable, usize> {
+    let mut drive = DriveTable::default();
     let reached = |pulse: &Pulse| trial.dynamics.iter().any(|here| pulse.reaches(here.position));
     if let Some(lost) = pulses.iter().position(|pulse| !reached(pulse)) {
         return Err(lost);
@@ -64,30 +63,28 @@ pub fn drive_of_pulses(trial: &Trial, pulses: &[Pulse]) -> Result<String, usize>
         let mut times: Vec<f64> = own.iter().flat_map(|pulse| pulse.times()).chain([0.0, EVER]).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
-        for time in times {
+        let row = |time: f64| {
             let sum = own.iter().fold(here.fp, |sum, pulse| sum + pulse.at_time(time));
-            row(&mut text, time, &agent.id, [sum.x, sum.y, here.mp]);
-        }
+            (time, [sum.x, sum.y, here.mp])
+        };
+        drive.add(&agent.id, times.into_iter().map(row).collect());
     }
-    Ok(text)
+    Ok(drive)
 }
 
 impl DriveTable {
-    /// Returns the drive file of those agents whom the Trial has.
+    /// Returns the drive file of those agents whom the Trial has; empty if it names none of them. Numbers are read back as
+    /// the same doubles.
     pub fn text_for(&self, trial: &Trial) -> String {
-        let mut text = HEAD.to_owned();
+        let mut text = String::new();
         for agent in &trial.agents {
-            for (time, push) in self.rows(&agent.id).unwrap_or_default() {
-                row(&mut text, *time, &agent.id, *push);
+            // With quotes, an Id may have any characters.
+            let id = agent.id.replace('"', "\"\"");
+            for (time, [x, y, torque]) in self.rows(&agent.id).unwrap_or_default() {
+                // Writing to a text cannot fail.
+                let _ = writeln!(text, "{time:?},\"{id}\",{x:?},{y:?},{torque:?}");
             }
         }
-        text
+        if text.is_empty() { text } else { HEAD.to_owned() + &text }
     }
-}
-
-fn row(text: &mut String, time: f64, id: &str, [x, y, torque]: [f64; 3]) {
-    // With quotes, an Id may have any characters.
-    let id = id.replace('"', "\"\"");
-    // Writing to a text cannot fail.
-    let _ = writeln!(text, "{time:?},\"{id}\",{x:?},{y:?},{torque:?}");
 }
