@@ -6,6 +6,7 @@ use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::{DecisionConfig, Plan};
 use lemons_people::Agent;
 use lemons_people::placing::Watch;
+use lemons_scenario::Scenario;
 use serde::Deserialize;
 
 /// Where a Trial comes from.
@@ -17,7 +18,7 @@ pub enum Base {
     /// It comes with the lab: one of [`upload::EXAMPLES`].
     Example { name: String },
     /// It is made.
-    Crowd(Box<crowd::CrowdRequest>),
+    Crowd(#[cfg_attr(feature = "typescript", ts(type = "Partial<Scenario>"))] Box<Scenario>),
     /// It is the user's: the name of the zip or the folder, path and length of each file (one zip, or those of a folder).
     Upload { name: String, files: Vec<(String, usize)> },
 }
@@ -85,14 +86,19 @@ impl Driven {
 }
 
 impl Base {
-    /// Makes the Trial, or reads it.
+    /// Makes the Trial, or reads it. A crowd may have tables in the bytes.
     ///
     /// # Errors
     /// It is impossible or has errors, or `watch` stopped the placing.
-    pub fn basis(&self, bytes: &[u8], watch: &mut Watch) -> Result<Basis, Refused> {
+    pub fn basis(
+        &self,
+        tables: &[(String, usize)],
+        bytes: &[u8],
+        watch: &mut Watch,
+    ) -> Result<Basis, Refused> {
         match self {
             Base::Example { name } => upload::example(name),
-            Base::Crowd(wanted) => crowd::crowd(wanted, bytes, watch),
+            Base::Crowd(scenario) => crowd::crowd(scenario, tables, bytes, watch),
             Base::Upload { name, files } => {
                 let files = split(files, bytes)?;
                 match upload::scenario(name, &files)? {
@@ -106,7 +112,7 @@ impl Base {
     /// Lines \[m\] beyond the doors of a crowd's room, or of walls that were changed, for the people who are there.
     pub fn beyond_doors(&self, edits: &[Edit], trial: &Trial) -> Vec<[[f64; 2]; 2]> {
         let room = match self {
-            Base::Crowd(wanted) => Some(&wanted.room),
+            Base::Crowd(scenario) => scenario.room.as_ref(),
             _ => edit::room_of(edits),
         };
         room.map_or_else(Vec::new, |room| room.exits(trial.dynamics.iter().map(|here| here.position)))

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 
 /// Two numbers. An array of TOML that is too long would be cut otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(as = "[f64; 2]"))]
 #[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
 pub struct Pair(pub [f64; 2]);
 
@@ -31,6 +32,7 @@ impl From<Pair> for Vec<f64> {
 
 /// A door as numbers: x, y and width \[m\], then the times \[s\] from and to which it is open. The last time may be left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(as = "Vec<f64>"))]
 #[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
 pub struct DoorForm(pub Door);
 
@@ -74,6 +76,7 @@ impl DoorForm {
 
 /// A part of the ground, and how many people stand there.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct RegionForm {
     /// \[m\] Corners.
@@ -111,6 +114,7 @@ impl RegionForm {
 
 /// Reading of a drawing.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields, default)]
 pub struct DrawingForm {
     /// \[m\] Length of a unit; none: as the file says.
@@ -132,7 +136,11 @@ pub struct DrawingForm {
 }
 
 impl DrawingForm {
-    pub(crate) fn check(&self) -> Result<()> {
+    /// Checks each value.
+    ///
+    /// # Errors
+    /// A length is out of range, or a key is for another.
+    pub fn check(&self) -> Result<()> {
         for (key, value, [low, high]) in [
             ("drawing.unit", self.unit, [1e-6, 1e6]),
             ("drawing.close", self.close, [1e-6, 100.0]),
@@ -164,6 +172,7 @@ impl DrawingForm {
 
 /// The share of a kind.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(untagged, expecting = "expected a number, or \"rest\": what the others leave of 100")]
 pub enum Share {
     /// Relative to the others.
@@ -174,6 +183,7 @@ pub enum Share {
 
 /// The word `rest`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "lowercase")]
 pub enum Rest {
     /// See [`Share::Rest`].
@@ -197,6 +207,7 @@ pub(crate) fn shares(mix: &BTreeMap<String, Share>) -> Result<BTreeMap<String, f
 
 /// Orientation of people.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "lowercase")]
 pub enum OrientationName {
     /// Any way.

@@ -77,7 +77,7 @@ impl Scenario {
         let shares = config.exits.iter().flatten().any(|exit| exit.share.is_some());
         let drawn = matches!(config.desired_speed, Some(Spread::Drawn(_)));
         if config.start.is_some() || config.groups.is_some() || config.ways.is_some() || shares || drawn {
-            config.seed.get_or_insert(self.seed);
+            config.seed.get_or_insert(self.seed());
         }
         if !self.leave {
             if self.walks() {

@@ -22,8 +22,8 @@ use error::{Of, fits, impossible, require, within};
 use lemons_core::files::source::Source;
 use lemons_core::files::{input, words};
 use lemons_core::plane::Vec2;
-use lemons_core::trial::{DriveTable, FARTHEST, Trial};
-use lemons_decision::{DecisionConfig, Plan};
+use lemons_core::trial::{DRIVE_FILE, DriveTable, FARTHEST, Trial};
+use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
 use lemons_people::placing::{Method, Watch};
 use lemons_people::room::Room;
 use lemons_people::{Agent, Kinds, SKINS};
@@ -55,7 +55,8 @@ const ROUND: &str = "round bodies are of adults with nothing: take no mix of kin
 pub const WALLS: &str = "concrete";
 
 /// A scenario. Without `box`, `geometry` and `room`, people stand in the open.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields, default)]
 pub struct Scenario {
     /// \[m\] Width and height of a room whose lower left corner is the origin.
@@ -75,8 +76,8 @@ pub struct Scenario {
     pub number: Option<u32>,
     /// \[1/m²\] Density of people, instead of their number.
     pub density: Option<f64>,
-    /// The same seed gives the same crowd.
-    pub seed: u64,
+    /// The same seed gives the same crowd. If it is not said, 1.
+    pub seed: Option<u64>,
     /// Source of the people.
     pub people: People,
     /// Probability that a pedestrian is a man; if it is not said, 0.5, or what the statistics say.
@@ -93,14 +94,14 @@ pub struct Scenario {
     pub direction: Option<f64>,
     /// True if people may overlap at the start.
     pub allow_overlap: bool,
-    /// Material of everybody: one of [`SKINS`].
-    pub material: String,
+    /// Material of everybody: one of [`SKINS`]; if it is not said, the first.
+    pub material: Option<String>,
     /// Kinetic friction of people with each other and with walls, instead of the material's.
     pub friction: Option<f64>,
     /// True if each body is one disk, of the same area.
     pub round: bool,
-    /// \[s\] Communication step.
-    pub time_step: f64,
+    /// \[s\] Communication step. If it is not said, 0.01.
+    pub time_step: Option<f64>,
     /// \[m/s\] Desired speed of everybody who leaves, instead of the usual one and those of kinds; or the speed that
     /// everybody would reach alone, pushing along the direction.
     pub speed: Option<f64>,
@@ -109,39 +110,8 @@ pub struct Scenario {
     /// Pushes.
     pub pushes: Vec<Push>,
     /// Further keys of what people do, as in `decision.toml`.
+    #[cfg_attr(feature = "typescript", ts(type = "Wishes"))]
     pub decision: DecisionConfig,
-}
-
-impl Default for Scenario {
-    fn default() -> Scenario {
-        Scenario {
-            sides: None,
-            geometry: None,
-            drawing: DrawingForm::default(),
-            room: None,
-            doors: Vec::new(),
-            regions: Vec::new(),
-            number: None,
-            density: None,
-            seed: 1,
-            people: People::default(),
-            men: None,
-            pedestrians: None,
-            mix: BTreeMap::new(),
-            packing: Method::Dense,
-            orientation: None,
-            direction: None,
-            allow_overlap: false,
-            material: SKINS[0].to_owned(),
-            friction: None,
-            round: false,
-            time_step: 0.01,
-            speed: None,
-            leave: false,
-            pushes: Vec::new(),
-            decision: DecisionConfig::default(),
-        }
-    }
 }
 
 /// Documents that were made of a scenario.
@@ -161,6 +131,19 @@ pub struct Made {
     pub decision: Option<(DecisionConfig, Plan)>,
     /// Notes of what is probably not meant, and of what was chosen.
     pub notes: Vec<String>,
+}
+
+impl Made {
+    /// Returns names and texts of the files that are beside those of all Trials.
+    ///
+    /// # Errors
+    /// A number is too large for TOML.
+    pub fn beside(&self) -> Result<Vec<(&'static str, String)>> {
+        let decision = self.decision.as_ref().map(|(config, _)| config.to_toml());
+        let decision = decision.transpose().map_err(impossible)?.unwrap_or_default();
+        let all = [(DECISION_FILE, decision), (DRIVE_FILE, self.drive.text_for(&self.trial))];
+        Ok(all.into_iter().filter(|(_, text)| !text.is_empty()).collect())
+    }
 }
 
 impl Scenario {
@@ -276,6 +259,15 @@ impl Scenario {
         ready.made(name, crowd)
     }
 
+    /// Returns the seed of who the people are and where they stand.
+    pub fn seed(&self) -> u64 {
+        self.seed.unwrap_or(1)
+    }
+
+    fn material(&self) -> &str {
+        self.material.as_deref().unwrap_or(SKINS[0])
+    }
+
     /// Checks what can be known before files are read.
     ///
     /// # Errors
@@ -296,15 +288,15 @@ impl Scenario {
             ("direction", self.direction),
             ("speed", self.speed),
             ("friction", self.friction),
-            ("time_step", Some(self.time_step)),
+            ("time_step", self.time_step),
         ] {
             value.map_or(Ok(()), |value| within(format_args!("`{key}`"), value, range(key)))?;
         }
         self.drawing.check()?;
         doors.iter().try_for_each(DoorForm::check)?;
         regions.iter().enumerate().try_for_each(|(k, region)| region.check(k))?;
-        require(SKINS.contains(&&*self.material), || {
-            format!("`material` = {:?}: must be one of {}", self.material, SKINS.join(", "))
+        require(SKINS.contains(&self.material()), || {
+            format!("`material` = {:?}: must be one of {}", self.material(), SKINS.join(", "))
         })?;
         require(!self.round || self.mix.is_empty(), || ROUND.into())?;
         for (key, count) in [("doors", doors.len()), ("regions", regions.len()), ("pushes", pushes.len())] {
@@ -321,8 +313,8 @@ impl Scenario {
         })?;
         pushes.iter().try_for_each(Push::check)?;
         // TOML holds no larger ones.
-        require(i64::try_from(self.seed).is_ok(), || {
-            format!("`seed` = {}: must be at most {}", self.seed, i64::MAX)
+        require(i64::try_from(self.seed()).is_ok(), || {
+            format!("`seed` = {}: must be at most {}", self.seed(), i64::MAX)
         })?;
         self.people.check()?;
         self.check_leaving()?;

@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 
 /// Source of people.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum People {
     /// The statistics of the survey ANSUR II.
@@ -244,7 +245,12 @@ impl Scenario {
         let numbers = self.numbers(&place)?;
         let all = numbers.iter().sum::<usize>();
         require(all <= most as usize, || format!("{all} people: the number must be 1 to {most}"))?;
-        Ok(Ready { scenario: self, place, numbers, agents: population.agents(self.seed).take(all).collect() })
+        Ok(Ready {
+            scenario: self,
+            place,
+            numbers,
+            agents: population.agents(self.seed()).take(all).collect(),
+        })
     }
 
     /// The packing, as messages call it.
@@ -273,7 +279,7 @@ impl Scenario {
     ) -> Result<Packing> {
         let region = &free.region;
         // Equal grounds are filled in different ways.
-        let seed = self.seed.wrapping_add(number as u64);
+        let seed = self.seed().wrapping_add(number as u64);
         let settings = Settings { orientation: self.orientation(), seed, density: self.density, limit: None };
         let few = self.packing == Method::Dense && !region.is_plane() && !self.allow_overlap;
         let tried = if few { within_area(shapes, region) } else { shapes };
@@ -326,8 +332,7 @@ impl Scenario {
             choose_mechanical_step(&mut trial);
         }
         if let Some(friction) = self.friction {
-            let theirs =
-                |contact: &&mut Contact| contact.id1 == self.material || contact.id2 == self.material;
+            let theirs = |contact: &&mut Contact| [&*contact.id1, &*contact.id2].contains(&self.material());
             let contacts = trial.materials.binary.iter_mut().filter(theirs);
             contacts.for_each(|contact| contact.kinetic_friction = friction);
         }
@@ -338,8 +343,8 @@ impl Scenario {
     pub fn settings(&self) -> TrialSettings {
         let speed = self.speed.filter(|_| !self.leave).unwrap_or(0.0);
         TrialSettings {
-            time_step: self.time_step,
-            people: self.material.clone(),
+            time_step: self.time_step.unwrap_or(0.01),
+            people: self.material().to_owned(),
             desired_velocity: heading(self.direction.unwrap_or(0.0)) * speed,
         }
     }

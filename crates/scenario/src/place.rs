@@ -69,12 +69,8 @@ impl Place {
     }
 }
 
-/// Walls without doors, and what they enclose.
-struct Walls {
-    geometry: Geometry,
-    whole: Result<Region, PeopleError>,
-    name: String,
-}
+/// Walls without doors, what they enclose, and what they are called.
+type Walls = (Geometry, Result<Region, PeopleError>, String);
 
 impl Scenario {
     /// Reads the drawing of the room, if it is one.
@@ -84,9 +80,14 @@ impl Scenario {
     pub fn drawn(&self, files: &dyn Files) -> Result<Option<Read>> {
         let Some((path, format)) = self.geometry.as_ref().and_then(|path| Some((path, Format::of(path)?)))
         else {
-            let usual = self.drawing == crate::DrawingForm::default();
-            fits(usual, || "`drawing` is for drawings: `geometry` FILE.dxf, .geojson, .wkt or .svg".into())?;
-            return Ok(None);
+            let usual = Scenario::default();
+            let keys = toml::Table::try_from(&self.drawing).unwrap_or_default().into_iter();
+            let mut keys = keys.map(|(key, _)| format!("drawing.{key}"));
+            let given = keys.find(|key| self.differs(&usual, key));
+            return given.map_or(Ok(None), |key| {
+                let drawings = "`geometry` FILE.dxf, .geojson, .wkt or .svg";
+                Err(ScenarioError::Misused(format!("`{key}` is for drawings: {drawings}")))
+            });
         };
         let named = path.display();
         let bytes = files.read(path, LARGEST_DRAWING);
@@ -98,15 +99,14 @@ impl Scenario {
         if let Some(Pair([width, height])) = self.sides {
             let region = Region::rectangle(Vec2::zeros(), vec2(width, height)).of("`box`")?;
             let name = format!("a box of {width} m x {height} m");
-            return Ok(Walls { geometry: walls(region.rings(), WALLS), name, whole: Ok(region) });
+            return Ok((walls(region.rings(), WALLS), Ok(region), name));
         }
         if let Some(room) = &self.room {
             let (whole, geometry) = room.uncut(WALLS).of("`room`")?;
-            return Ok(Walls { geometry, name: "the room".into(), whole: Ok(whole) });
+            return Ok((geometry, Ok(whole), "the room".into()));
         }
         let Some(path) = &self.geometry else {
-            let whole = Ok(Region::plane());
-            return Ok(Walls { geometry: walls(&[], ""), name: "the open".into(), whole });
+            return Ok((walls(&[], ""), Ok(Region::plane()), "the open".into()));
         };
         let geometry = match drawn {
             Some(read) => read.plan.geometry(WALLS),
@@ -117,13 +117,13 @@ impl Scenario {
             }
         };
         let whole = Region::from_walls(&geometry);
-        Ok(Walls { geometry, name: path.display().to_string(), whole })
+        Ok((geometry, whole, path.display().to_string()))
     }
 
     /// Returns where people stand.
     pub(crate) fn place(&self, files: &dyn Files, mut drawn: Option<Read>) -> Result<Place> {
         let mut notes = Vec::new();
-        let Walls { geometry, whole, name } = self.walls(files, drawn.as_ref(), &mut notes)?;
+        let (geometry, whole, name) = self.walls(files, drawn.as_ref(), &mut notes)?;
         let regions = self.regions_of(drawn.as_ref(), &mut notes)?;
         if let Some(doubt) =
             drawn.as_ref().and_then(|drawn| drawn.doubt.as_ref()).filter(|_| regions.is_empty())

@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Push {
     /// \[m\] Middle of the circle.
-    #[cfg_attr(feature = "typescript", ts(as = "[f64; 2]"))]
     pub at: Pair,
     /// \[m\]
     pub radius: f64,

@@ -147,9 +147,7 @@ mod tests {
     /// The same text is a scenario and a `[population]`, if it says whether people leave.
     #[test]
     fn a_population_is_a_scenario() {
-        let directory = lemons_testing::repository().join("crates/scenario/tests/crowds");
-        let mut count = 0;
-        for file in std::fs::read_dir(directory).unwrap().map(|file| file.unwrap().path()) {
+        for (_, file) in lemons_testing::scenarios() {
             let text = std::fs::read_to_string(&file).unwrap();
             let text = if text.contains("leave =") { text } else { format!("leave = false\n{text}") };
             let population: Population = toml::from_str(&text).unwrap();
@@ -159,9 +157,7 @@ mod tests {
             let made = scenario.documents("crowd", MOST_PEOPLE, &Disk, &mut watch).unwrap();
             let own = population.documents().unwrap();
             assert_eq!((own.trial, own.plan), (made.trial, made.decision.map(|(_, plan)| plan)));
-            count += 1;
         }
-        assert!(count >= 20);
     }
 
     #[test]

@@ -169,6 +169,7 @@ fn altitudes(wanted: &[Altitude], agents: &[Agent]) -> Vec<f64> {
 fn option_of(key: &str) -> Option<String> {
     let name = match key {
         "people" | "people.file" => "custom",
+        "drawing.unit" => return Some("--unit or --scale".into()),
         key => key.strip_prefix("drawing.").unwrap_or(key),
     };
     let command = Arguments::augment_args(clap::Command::new(""));
@@ -194,16 +195,24 @@ impl Words<'_> {
         named(text, |key| option_of(key).filter(|_| self.is_option(key)))
     }
 
-    /// The same. What is of the file begins with its name.
+    /// The same. What is of the file, as its first key says, begins with the file's name.
     fn text(&self, text: &str) -> String {
-        let key = text.split('`').nth(1).unwrap_or_default();
-        let file = self.file.filter(|_| !self.is_option(key));
+        let file = self.file.filter(|_| !self.of_option(text));
         file.map_or(String::new(), |(file, _)| format!("{}: ", file.display())) + &self.note(text)
+    }
+
+    fn of_option(&self, text: &str) -> bool {
+        self.is_option(text.split('`').nth(1).unwrap_or_default())
     }
 
     fn error(&self, error: ScenarioError) -> anyhow::Error {
         match error {
-            ScenarioError::Misused(what) if self.file.is_none() => Misused(self.text(&what)).into(),
+            ScenarioError::Misused(what) if self.of_option(&what) => Misused(self.text(&what)).into(),
+            ScenarioError::NoRoom { .. }
+                if ["number", "density", "box"].iter().any(|key| self.is_option(key)) =>
+            {
+                anyhow!(self.note(&error.to_string()))
+            }
             ScenarioError::Stopped => Interrupted::given_up().into(),
             ScenarioError::Files(problems) => {
                 note!("{problems}");
@@ -305,7 +314,7 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
     // Printed when all is written: who closes the pipe early has the files nevertheless.
     let mut out = Vec::new();
     writeln!(out, "{}", CrowdStatistics::of(agents))?;
-    writeln!(out, "\nseed               {:>10}", scenario.seed)?;
+    writeln!(out, "\nseed               {:>10}", scenario.seed())?;
     let of = if place.is_plane() { "convex hull of all" } else { &place.name };
     writeln!(out, "{}", line("ground", ground, &format!("m²   ({of})")))?;
     if place.has_regions {
@@ -345,13 +354,10 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
             // Those of the place were told.
             let notes = made.notes.iter().skip(made.place.notes.len());
             notes.for_each(|said| note!("{}", words.note(said)));
-            let mut beside = Vec::new();
-            if let Some((config, plan)) = &made.decision {
+            if let Some((_, plan)) = &made.decision {
                 out_of_reach(plan, &made.trial.geometry).iter().for_each(|doubt| note!("warning: {doubt}"));
-                beside.push((DECISION_FILE, config.to_toml()?));
             }
-            beside.push((DRIVE_FILE, made.drive.text_for(&made.trial)));
-            beside.retain(|(_, text)| !text.is_empty());
+            let beside = made.beside().map_err(told)?;
             let beside: Vec<(&str, &str)> = beside.iter().map(|(name, text)| (*name, &**text)).collect();
             done = trial.write(&made.trial, &beside, binaries, &interrupt, &mut out)?;
         }
@@ -437,11 +443,10 @@ impl TrialArguments {
 impl OtherArguments {
     /// Checks that the bodies that are wanted can be made.
     fn check_bodies(&self, agents: &[Agent]) -> Result<()> {
-        if !self.sections.is_empty() || self.obj.is_some() || self.stl.is_some() {
-            for (k, agent) in agents.iter().enumerate() {
-                for person in agent.everybody() {
-                    Body3d::similar_possible(&person).with_context(|| format!("agent {k}"))?;
-                }
+        let wanted = !self.sections.is_empty() || self.obj.is_some() || self.stl.is_some();
+        for (k, agent) in agents.iter().enumerate().filter(|_| wanted) {
+            for person in agent.everybody() {
+                Body3d::similar_possible(&person).with_context(|| format!("agent {k}"))?;
             }
         }
         Ok(())
@@ -458,14 +463,14 @@ impl Arguments {
         if self.number.is_some() || self.density.is_some() {
             (scenario.number, scenario.density) = (self.number, self.density);
         }
-        scenario.seed = self.seed.unwrap_or(scenario.seed);
+        scenario.seed = self.seed.or(scenario.seed);
         self.source.fill(&mut scenario)?;
-        self.placing.fill(&mut scenario)?;
+        self.placing.fill(&mut scenario);
         self.leaving.fill(&mut scenario)?;
         let TrialArguments { material, speed, time_step, .. } = &self.trial;
-        scenario.material = material.clone().unwrap_or(scenario.material);
+        scenario.material = material.clone().or(scenario.material);
         scenario.speed = speed.or(scenario.speed);
-        scenario.time_step = time_step.unwrap_or(scenario.time_step);
+        scenario.time_step = time_step.or(scenario.time_step);
         Ok((file, scenario))
     }
 

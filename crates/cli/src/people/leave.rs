@@ -27,18 +27,10 @@ pub struct LeaveArguments {
     #[arg(long)]
     pub leave: bool,
     /// A line where people have left, from X1,Y1 to X2,Y2, in m. Can be given several times
-    #[arg(
-        long = "exit",
-        value_name = "X1,Y1,X2,Y2",
-        value_parser = exit,
-        allow_hyphen_values = true
-    )]
+    #[arg(long = "exit", value_name = "X1,Y1,X2,Y2", value_parser = exit, allow_hyphen_values = true)]
     exits: Vec<[Vec2; 2]>,
     /// How people walk around others. straight: not at all. Default: rotational
-    #[arg(
-        long,
-        value_parser = named(&MODELS, WalkingModelName::name)
-    )]
+    #[arg(long, value_parser = named(&MODELS, WalkingModelName::name))]
     model: Option<WalkingModelName>,
     /// Greatest force with which people push ahead, in N: of everybody, or the mean and the standard
     /// deviation of a normal distribution, as in 150,50. With rotational, squeezes hardly grow with it above

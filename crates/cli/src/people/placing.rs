@@ -3,12 +3,11 @@
 use super::regions::{door, region};
 use super::room::{self, DrawingArguments};
 use super::{named, ranged};
-use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use crate::print;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use lemons_core::plane::{Vec2, vec2};
-use lemons_people::drawing::{Format, Read};
+use lemons_people::drawing::Read;
 use lemons_people::placing::{Method, Orientation, Progress, Stage};
 use lemons_scenario::{
     Crowd, DoorForm, DrawingForm, OrientationName, Pair, Ready, RegionForm, Scenario, ScenarioError,
@@ -71,21 +70,16 @@ fn sides(text: &str) -> Result<Vec2, String> {
 
 impl PlacingArguments {
     /// Fills in what is given.
-    pub fn fill(&self, scenario: &mut Scenario) -> Result<()> {
+    pub fn fill(&self, scenario: &mut Scenario) {
         if self.sides.is_some() || self.geometry.is_some() || self.open {
             (scenario.sides, scenario.geometry, scenario.room) = (None, None, None);
             scenario.drawing = DrawingForm::default();
         }
         scenario.sides = self.sides.map(|sides| Pair(sides.into())).or(scenario.sides);
         scenario.geometry = self.geometry.clone().or(scenario.geometry.take());
-        if let Some(option) = self.drawing.given() {
-            let drawing = scenario.geometry.as_deref().and_then(Format::of);
-            if drawing.is_none() {
-                bail!(Misused(format!(
-                    "{option} is for drawings: --geometry FILE.dxf, .geojson, .wkt or .svg"
-                )));
-            }
-            scenario.drawing = self.drawing.form();
+        let drawing = self.drawing.form();
+        if drawing != DrawingForm::default() {
+            scenario.drawing = drawing;
         }
         if !self.doors.is_empty() {
             scenario.doors.clone_from(&self.doors);
@@ -97,7 +91,6 @@ impl PlacingArguments {
         scenario.orientation = self.orientation.or(scenario.orientation);
         scenario.direction = self.direction.or(scenario.direction);
         scenario.allow_overlap |= self.allow_overlap;
-        Ok(())
     }
 }
 
