@@ -36,9 +36,6 @@ export type CrowdStatistics = Array<KindStatistics>;
 /** A gap in the wall that is nearest to a point. It may go round a corner. */
 export type Door = { at: [number, number], width: number, open?: Array<[number, number]>, };
 
-/** A door as numbers: x, y and width [m], then the times [s] from and to which it is open. The last time may be left out. */
-export type DoorForm = Array<number>;
-
 /** Reading of a drawing. */
 export type DrawingForm = { unit: number | null, close: number | null, deviation: number | null, origin: boolean, walls: Array<string>, enclosed: boolean, obstacles: Array<string>, widest: number | null, };
 
@@ -147,7 +144,7 @@ export type PlacedCrowd = { density: number, area: number, iterations: number, l
 /** What a drawing seems to be: [`Proposal`]. */
 export type Proposed = { layers: Array<LayerFound>, walls: Array<string>, obstacles: Array<string>, widest: number, close: number | null, areas: [number, number], ground: Array<Array<[number, number]>>, gaps: Array<GapFound>, questions: Array<string>, };
 
-/** A pulse on all whose centres lie in a circle at the start. */
+/** A half sine of force on all whose centres lie in a circle at the start. */
 export type Push = { at: Pair, radius: number, direction: number, force: number, start: number, duration: number, };
 
 /** What a map shows. */
@@ -159,9 +156,6 @@ export type RegionForm = { corners: Array<Pair>, number: number | null, density:
 /** A request of a page. `run` is the number of the run that is meant: a page may still ask about one that another has
  * replaced. Places are in m, angles in rad. */
 export type Request = { "ask": "person" } & PersonRequest | { "ask": "body" } & PersonRequest | { "ask": "bicycle", } | { "ask": "kinds", } | { "ask": "show" } & Shown | { "ask": "room" } & RoomRequest | { "ask": "drawing" } & DrawingRequest | { "ask": "overlaps", run: number, agent: number, x: number, y: number, theta: number, } | { "ask": "advance", run: number, steps: number, } | { "ask": "forces", run: number, time: number, } | { "ask": "flow", run: number, line: [[number, number], [number, number]], } | { "ask": "map", run: number, of: Quantity, fresh: boolean, } | { "ask": "limit" } & LimitRequest | { "ask": "sections", run: number, altitude: number, } | { "ask": "bodies", run: number, } | { "ask": "take", run: number, wanted: FileRequest, };
-
-/** The word `rest`. */
-export type Rest = "rest";
 
 /** A room. Outlines may go round in either direction. */
 export type Room = { outline: Array<[number, number]>, obstacles: Array<Array<[number, number]>>, walls?: Array<Further>, doors: Array<Door>, };
@@ -176,7 +170,7 @@ export type RoomRequest = { room: Room, edit: RoomEdit | null, near: [number, nu
 export type Rotational = { time_gap: number, standstill_gap: number, reaction_time: number, speed_noise: number, acceleration: number, };
 
 /** A scenario. Without `box`, `geometry` and `room`, people stand in the open. */
-export type Scenario = { box: Pair | null, geometry: string | null, drawing: DrawingForm, room: Room | null, doors: Array<DoorForm>, regions: Array<RegionForm>, number: number | null, density: number | null, seed: number | null, people: People, men: number | null, pedestrians: number | null, mix: { [key in string]: Share }, packing: Method, orientation: OrientationName | null, direction: number | null, allow_overlap: boolean, material: string | null, friction: number | null, round: boolean, time_step: number | null, speed: number | null, leave: boolean, pushes: Array<Push>, decision: Wishes, };
+export type Scenario = { box: Pair | null, geometry: string | null, drawing: DrawingForm, room: Room | null, doors: Array<Array<number>>, regions: Array<RegionForm>, number: number | null, density: number | null, seed: number | null, people: People, men: number | null, pedestrians: number | null, mix: Record<string, number | "rest">, packing: Method, orientation: OrientationName | null, direction: number | null, allow_overlap: boolean, material: string | null, friction: number | null, round: boolean, time_step: number | null, speed: number | null, leave: boolean, pushes: Array<Push>, decision: Wishes, };
 
 /** A scene. */
 export type Scene = { run: number, name: string, agents: Array<AgentShown>, kinds: { [key in string]: Array<string> }, walls: Array<WallShown>, step: number, mechanical_step: number, stable: number | null, longest: number | null, advised: number | null, error: number | null, warnings: Array<string>, materials: Array<Material2d>, contacts: Array<Contact<number>>, overlapping: Array<number>, overlap: number, pushed: Array<string>, walk: boolean, ways: Array<Array<Waypoint>>, targets: Array<Target>, leaving: number, beyond_doors: Array<[[number, number], [number, number]]>, people: Array<PersonDrawn | null> | null, };
@@ -186,9 +180,6 @@ export type Sections = { altitude: number, bodies: Array<Array<Array<[number, nu
 
 /** Sex, which selects the statistics. */
 export type Sex = "male" | "female";
-
-/** The share of a kind. */
-export type Share = number | Rest;
 
 /** A scene that is to be run. */
 export type Shown = { base: Base, tables?: Array<[string, number]>, edits: Array<Edit>, fitting?: boolean, mechanics?: Mechanics, motion: Motion, };

@@ -1,7 +1,7 @@
 // Who the people of a crowd are: as surveyed, from statistics of the user's, or measured people.
 
 import { signal } from "@preact/signals";
-import { Choice, Field } from "./parts";
+import { Choice, Field, Head } from "./parts";
 import { type KeptPeople, MOST } from "./forms";
 import { plan } from "./plan";
 import type { Four, Normal, Sex } from "./protocol";
@@ -103,16 +103,7 @@ function StatisticsTable({ people, onChange }: { people: Statistics; onChange(pe
             {SEXES.map(([sex, who]) => (
                 <table class="statistics" key={sex}>
                     <caption>{who}: normal distributions between the least and the most</caption>
-                    <thead>
-                        <tr>
-                            <th scope="col">Measure</th>
-                            {VALUES.map((words) => (
-                                <th key={words} scope="col">
-                                    {words}
-                                </th>
-                            ))}
-                        </tr>
-                    </thead>
+                    <Head of={["Measure", ...VALUES]} />
                     <tbody>
                         {MEASURES.map(([measure, words]) => (
                             <tr key={measure}>

@@ -1,7 +1,7 @@
 //! Where a Trial comes from, what is known of its people, and what drives them.
 
 use crate::edit::{self, Edit};
-use crate::{Refused, crowd, upload};
+use crate::{Refused, Shown, crowd, upload};
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::{DecisionConfig, Plan};
 use lemons_people::Agent;
@@ -58,17 +58,6 @@ impl Driven {
         Driven { trial, people, drive, table: DriveTable::default(), wishes, plan: None }
     }
 
-    /// Reads its decision.toml.
-    ///
-    /// # Errors
-    /// It has errors, or does not fit to the Trial.
-    pub fn read(self) -> Result<Driven, Refused> {
-        let config =
-            (!self.wishes.is_empty()).then(|| DecisionConfig::from_toml(&self.wishes)).transpose()?;
-        let wishes = self.wishes.clone();
-        Ok(Driven { wishes, ..self.decided(config)? })
-    }
-
     /// Takes settings of Decision.
     ///
     /// # Errors
@@ -85,30 +74,25 @@ impl Driven {
     }
 }
 
-impl Base {
-    /// Makes the Trial, or reads it. A crowd may have tables in the bytes.
-    ///
-    /// # Errors
-    /// It is impossible or has errors, or `watch` stopped the placing.
-    pub fn basis(
-        &self,
-        tables: &[(String, usize)],
-        bytes: &[u8],
-        watch: &mut Watch,
-    ) -> Result<Basis, Refused> {
-        match self {
-            Base::Example { name } => upload::example(name),
-            Base::Crowd(scenario) => crowd::crowd(scenario, tables, bytes, watch),
-            Base::Upload { name, files } => {
-                let files = split(files, bytes)?;
-                match upload::scenario(name, &files)? {
-                    Some((path, files)) => crowd::of_file(&path, &files, watch),
-                    None => upload::open(name, &files, upload::LARGEST_CONTENT),
-                }
+/// Makes the Trial of a scene before edits, or reads it.
+///
+/// # Errors
+/// It is impossible or has errors, or `watch` stopped the placing.
+pub fn basis(shown: &Shown, bytes: &[u8], watch: &mut Watch) -> Result<Basis, Refused> {
+    match &shown.base {
+        Base::Example { name } => upload::example(name),
+        Base::Crowd(scenario) => crowd::crowd(scenario, &split(&shown.tables, bytes)?, watch),
+        Base::Upload { name, files } => {
+            let files = split(files, bytes)?;
+            match upload::scenario(name, &files)? {
+                Some((path, files)) => crowd::of_file(&path, &files, watch),
+                None => upload::open(name, &files, upload::LARGEST_CONTENT),
             }
         }
     }
+}
 
+impl Base {
     /// Lines \[m\] beyond the doors of a crowd's room, or of walls that were changed, for the people who are there.
     pub fn beyond_doors(&self, edits: &[Edit], trial: &Trial) -> Vec<[[f64; 2]; 2]> {
         let room = match self {

@@ -1,6 +1,6 @@
 //! A crowd: a scenario -> a Trial.
 
-use crate::base::{Basis, Driven, split};
+use crate::base::{Basis, Driven};
 use crate::{Refused, room, within};
 use lemons_core::files::source::Memory;
 use lemons_people::CrowdStatistics;
@@ -26,18 +26,13 @@ pub(crate) struct PlacedCrowd {
     statistics: CrowdStatistics,
 }
 
-/// Draws people and places them without overlap, as `lemons crowd --seed` does. Files lie one after the other in the bytes.
+/// Draws people and places them without overlap, as `lemons crowd --seed` does.
 ///
 /// # Errors
 /// A number is out of range, there is no room, or `watch` stopped the placing.
-pub fn crowd(
-    scenario: &Scenario,
-    files: &[(String, usize)],
-    bytes: &[u8],
-    watch: &mut Watch,
-) -> Result<Basis, Refused> {
+pub fn crowd(scenario: &Scenario, files: &[(&str, &[u8])], watch: &mut Watch) -> Result<Basis, Refused> {
     let mut memory = Memory::default();
-    split(files, bytes)?.iter().for_each(|(name, file)| memory.put(Path::new(name), file.to_vec()));
+    files.iter().for_each(|(name, file)| memory.put(Path::new(name), file.to_vec()));
     made(scenario, None, &memory, watch)
 }
 
@@ -73,17 +68,12 @@ pub fn of_file(path: &Path, files: &Memory, watch: &mut Watch) -> Result<Basis, 
     made(&scenario, name, files, watch).map_err(|Refused(why)| Refused(format!("{}: {why}", path.display())))
 }
 
-fn made(
-    scenario: &Scenario,
-    name: Option<String>,
-    files: &Memory,
-    watch: &mut Watch,
-) -> Result<Basis, Refused> {
-    within("seed", scenario.seed() as f64, [0.0, LARGEST_SEED as f64])?;
-    room::check_drawn(scenario)?;
+fn made(of: &Scenario, name: Option<String>, files: &Memory, watch: &mut Watch) -> Result<Basis, Refused> {
+    within("seed", of.seed() as f64, [0.0, LARGEST_SEED as f64])?;
+    room::check_drawn(of)?;
     let Made { mut trial, agents, crowd, place, drive, decision, notes } =
-        scenario.documents("", MOST_PEOPLE, files, watch).map_err(told)?;
-    trial.name = name.unwrap_or_else(|| format!("crowd_{}_seed_{}", agents.len(), scenario.seed()));
+        of.documents("", MOST_PEOPLE, files, watch).map_err(told)?;
+    trial.name = name.unwrap_or_else(|| format!("crowd_{}_seed_{}", agents.len(), of.seed()));
     let packing = &crowd.packing;
     let made = PlacedCrowd {
         density: packing.density,

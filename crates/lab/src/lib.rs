@@ -214,7 +214,7 @@ impl Lab {
         let digest = digest.finish();
         let (base, basis) = match self.basis.take() {
             Some((base, files, basis)) if (&base, files) == (&shown.base, digest) => (base, basis),
-            _ => (shown.base.clone(), shown.base.basis(&shown.tables, bytes, watch)?),
+            _ => (shown.base.clone(), base::basis(shown, bytes, watch)?),
         };
         let (base, _, basis) = &*self.basis.insert((base, digest, basis));
         let before = basis.driven.clone();

@@ -58,8 +58,18 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
     }
     let config = match motion {
         Motion::Own {} => {
-            forget_deleted(&mut driven)?;
-            return driven.read();
+            // The files of a Trial must not name people who are not there any more.
+            if driven.table.check_agents(Some(&driven.trial)).is_err() {
+                driven.push(driven.table.of_those(&driven.trial));
+            }
+            let text = driven.wishes.clone();
+            let config = (!text.is_empty()).then(|| DecisionConfig::from_toml(&text)).transpose()?;
+            let people = Person::all_of(&driven.trial);
+            let fewer = config.as_ref().and_then(|config| config.without_others(&people));
+            if fewer.is_none() {
+                return Ok(Driven { wishes: text, ..driven.decided(config)? });
+            }
+            fewer
         }
         Motion::None {} => None,
         Motion::Push { pushes, balance } => {
@@ -82,20 +92,6 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
 pub fn missed(of: &Driven) -> Option<String> {
     let missed = of.table.missed(0.0, of.trial.parameters.time_step)?;
     Some(format!("{DRIVE_FILE}: {missed}"))
-}
-
-/// The files of a Trial must not name people who are not there any more.
-fn forget_deleted(driven: &mut Driven) -> Result<(), Refused> {
-    if driven.table.check_agents(Some(&driven.trial)).is_err() {
-        driven.push(driven.table.of_those(&driven.trial));
-    }
-    if !driven.wishes.is_empty() {
-        let wishes = DecisionConfig::from_toml(&driven.wishes)?;
-        if let Some(fewer) = wishes.without_others(&Person::all_of(&driven.trial)) {
-            driven.wishes = fewer.to_toml()?;
-        }
-    }
-    Ok(())
 }
 
 /// As [`lemons_scenario::own_speeds`], if people are known.

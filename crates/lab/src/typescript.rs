@@ -1,6 +1,15 @@
 //! The types of requests and replies in TypeScript, for the page (lab/src/generated.ts).
 
-use crate::{Opened, Request, body, files, frame, kinds, limit, map, person, room, run};
+use crate::body::{Bodies, Sections, Surface};
+use crate::files::NamedFile;
+use crate::frame::{Flow, Overlaps};
+use crate::kinds::KindShown;
+use crate::limit::Limit;
+use crate::map::Grid;
+use crate::person::{BicycleShown, PersonShown};
+use crate::room::{Drawn, Understood};
+use crate::run::Advanced;
+use crate::{Opened, Request};
 use lemons_decision::WalkingModelName;
 use lemons_decision::walking_model::Rotational;
 use lemons_scenario::Scenario;
@@ -48,26 +57,9 @@ fn without_comments(of: &str) -> String {
 /// Returns the text of lab/src/generated.ts.
 pub fn generated() -> String {
     let mut types = Types { config: Config::new().with_large_int("number"), found: BTreeMap::new() };
-    types.visit::<Request>();
-    types.visit::<Scenario>();
-    // As a decision.toml says it, where the page has a form.
-    types.visit::<Rotational>();
-    types.visit::<WalkingModelName>();
-    // Replies.
-    types.visit::<Opened>();
-    types.visit::<person::PersonShown>();
-    types.visit::<person::BicycleShown>();
-    types.visit::<body::Surface>();
-    types.visit::<body::Sections>();
-    types.visit::<body::Bodies>();
-    types.visit::<kinds::KindShown>();
-    types.visit::<room::Drawn>();
-    types.visit::<room::Understood>();
-    types.visit::<frame::Overlaps>();
-    types.visit::<frame::Flow>();
-    types.visit::<map::Grid>();
-    types.visit::<limit::Limit>();
-    types.visit::<run::Advanced>();
-    types.visit::<files::NamedFile>();
+    // The request; what a scenario and a decision.toml say, where the page has a form; replies.
+    <(Request, Scenario, Rotational, WalkingModelName, Opened)>::visit_generics(&mut types);
+    <(PersonShown, BicycleShown, Surface, Sections, Bodies, KindShown, Drawn)>::visit_generics(&mut types);
+    <(Understood, Overlaps, Flow, Grid, Limit, Advanced, NamedFile)>::visit_generics(&mut types);
     types.found.into_values().fold(HEAD.to_owned(), |all, one| all + &one)
 }

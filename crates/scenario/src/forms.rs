@@ -32,7 +32,6 @@ impl From<Pair> for Vec<f64> {
 
 /// A door as numbers: x, y and width \[m\], then the times \[s\] from and to which it is open. The last time may be left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(as = "Vec<f64>"))]
 #[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
 pub struct DoorForm(pub Door);
 
@@ -172,7 +171,6 @@ impl DrawingForm {
 
 /// The share of a kind.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(untagged, expecting = "expected a number, or \"rest\": what the others leave of 100")]
 pub enum Share {
     /// Relative to the others.
@@ -183,7 +181,6 @@ pub enum Share {
 
 /// The word `rest`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "lowercase")]
 pub enum Rest {
     /// See [`Share::Rest`].

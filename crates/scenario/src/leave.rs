@@ -8,9 +8,7 @@ use lemons_core::trial::Trial;
 use lemons_decision::exit_choice::ExitChoice;
 use lemons_decision::plan::FLAT_PUSH;
 use lemons_decision::rule::{WAYPOINT_RADIUS, Waypoint};
-use lemons_decision::{
-    AgentConfig, DEFAULT_SPEED, DecisionConfig, Plan, Spread, TargetConfig, WalkingModelName,
-};
+use lemons_decision::{AgentConfig, DEFAULT_SPEED, DecisionConfig, Spread, TargetConfig, WalkingModelName};
 use lemons_people::Agent;
 use lemons_people::drawing::{self, Read};
 
@@ -122,12 +120,6 @@ impl Scenario {
             config = config.with_speeds(own_speeds(agents, trial));
         }
         Some(config)
-    }
-
-    /// Makes of the settings what the people of a Trial do.
-    pub(crate) fn plan(&self, trial: &Trial, config: &DecisionConfig) -> Result<Plan> {
-        let leave = if self.leave { "`leave`: people cannot leave: " } else { "" };
-        Plan::of(trial, config).map_err(|error| impossible(format!("{leave}{error}")))
     }
 }
 

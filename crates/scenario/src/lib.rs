@@ -69,6 +69,7 @@ pub struct Scenario {
     /// Corners of a room, with its doors.
     pub room: Option<Room>,
     /// \[m\], \[s\] Doors that are cut into closed walls: x, y, width, and the times at which they open and close.
+    #[cfg_attr(feature = "typescript", ts(as = "Vec<Vec<f64>>"))]
     pub doors: Vec<DoorForm>,
     /// Places where people stand; without one, in the whole room, or on the distributions of a drawing.
     pub regions: Vec<RegionForm>,
@@ -85,6 +86,7 @@ pub struct Scenario {
     /// Probability that somebody is a pedestrian; the others ride bicycles.
     pub pedestrians: Option<f64>,
     /// Shares of kinds of people; empty: those of the statistics, else adults with nothing.
+    #[cfg_attr(feature = "typescript", ts(type = "Record<string, number | \"rest\">"))]
     pub mix: BTreeMap<String, Share>,
     /// Packing algorithm.
     pub packing: Method,
@@ -254,7 +256,8 @@ impl Scenario {
         self.check()?;
         let population = self.population(files)?;
         require(!population.has_bicycles(), || "`pedestrians`: no Trial holds bicycles".into())?;
-        let ready = self.ready(&population, most, files, self.drawn(files)?)?;
+        let place = self.place(files, self.drawn(files)?)?;
+        let ready = self.ready(&population, place, most)?;
         let crowd = ready.crowd(watch)?;
         ready.made(name, crowd)
     }

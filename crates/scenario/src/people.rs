@@ -7,9 +7,8 @@ use crate::{MOST_PEOPLE, Made, ROUND, Scenario, drive};
 use lemons_core::files::input;
 use lemons_core::files::source::Source as Files;
 use lemons_core::plane::{Pose, Vec2};
-use lemons_core::trial::{Contact, Geometry, Trial};
-use lemons_people::drawing::Read;
-use lemons_people::placing::{Ended, Method, Orientation, Packing, Settings, Watch, within_area};
+use lemons_decision::Plan;
+use lemons_people::placing::{Ended, FreeSpace, Method, Orientation, Packing, Settings, Watch, within_area};
 use lemons_people::{
     Agent, Custom, CustomMeasures, Disk, Kinds, PAPER_BICYCLES, PeopleError, Person, Population, Proportions,
     Sex, Shape, Source, Survey, TrialSettings, TruncatedNormal, choose_mechanical_step, crowd_trial, heading,
@@ -199,22 +198,21 @@ impl Scenario {
         let mut before = 0.0;
         let mut on = |Ground { free, name, amount }: &Ground| {
             let area = free.region.area();
-            let wanted = match (*amount, number, density) {
-                ((Some(number), _), ..) => f64::from(number),
-                ((None, Some(density)), ..) | (_, None, Some(density)) => (density * area).round(),
-                (_, Some(_), Some(_)) => {
-                    return Err(ScenarioError::Misused(format!(
-                        "`number` and `density`: one of them follows from the other in {name}"
-                    )));
-                }
-                (_, Some(number), None) => {
+            let own = *amount != (None, None);
+            let wanted = match if own { *amount } else { (number, density) } {
+                (Some(number), None) if own => f64::from(number),
+                (None, Some(density)) => (density * area).round(),
+                (Some(number), None) => {
                     // Shares of the whole that add up to it.
                     let upto = |area: f64| (f64::from(number) * area / open).round();
                     let from = before;
                     before += area;
                     upto(before) - upto(from)
                 }
-                (_, None, None) => {
+                given => {
+                    fits(given.0.is_none(), || {
+                        format!("`number` and `density`: one of them follows from the other in {name}")
+                    })?;
                     return Err(ScenarioError::Misused(format!(
                         "the number of people is missing in {name}: give `number` or `density`, of all or of \
                          each of the `regions`"
@@ -229,28 +227,16 @@ impl Scenario {
         place.grounds.iter().map(&mut on).collect()
     }
 
-    /// Returns where people stand, and draws them, at most so many. `drawn` is what [`drawn`](Scenario::drawn) returned.
+    /// Draws people who stand there, at most so many.
     ///
     /// # Errors
-    /// Walls do not bound a region, a region has no ground, a door is not at a wall; the number of people is not said, or
-    /// said twice, or nobody or too many would stand somewhere.
-    pub fn ready(
-        &self,
-        population: &Population,
-        most: u32,
-        files: &dyn Files,
-        drawn: Option<Read>,
-    ) -> Result<Ready<'_>> {
-        let place = self.place(files, drawn)?;
+    /// Their number is not said, or said twice, or nobody or too many would stand somewhere.
+    pub fn ready(&self, population: &Population, place: Place, most: u32) -> Result<Ready<'_>> {
         let numbers = self.numbers(&place)?;
         let all = numbers.iter().sum::<usize>();
         require(all <= most as usize, || format!("{all} people: the number must be 1 to {most}"))?;
-        Ok(Ready {
-            scenario: self,
-            place,
-            numbers,
-            agents: population.agents(self.seed()).take(all).collect(),
-        })
+        let agents = population.agents(self.seed()).take(all).collect();
+        Ok(Ready { scenario: self, place, numbers, agents })
     }
 
     /// The packing, as messages call it.
@@ -270,14 +256,8 @@ impl Scenario {
     }
 
     /// Places shapes on the ground with this number.
-    fn on(
-        &self,
-        Ground { free, name, .. }: &Ground,
-        number: usize,
-        shapes: &[Shape],
-        watch: &mut Watch,
-    ) -> Result<Packing> {
-        let region = &free.region;
+    fn on(&self, ground: &Ground, number: usize, shapes: &[Shape], watch: &mut Watch) -> Result<Packing> {
+        let Ground { free: FreeSpace { region, .. }, name, .. } = ground;
         // Equal grounds are filled in different ways.
         let seed = self.seed().wrapping_add(number as u64);
         let settings = Settings { orientation: self.orientation(), seed, density: self.density, limit: None };
@@ -312,31 +292,6 @@ impl Scenario {
             hint += "; `packing` dense reaches more";
         }
         Err(ScenarioError::NoRoom { place: format!("{name}, {packed}"), what, hint })
-    }
-
-    /// Makes the Trial of people who were placed, with these shapes.
-    fn trial(
-        &self,
-        name: &str,
-        placed: &[(Agent, Pose)],
-        shapes: &[Shape],
-        geometry: &Geometry,
-    ) -> Result<Trial> {
-        let mut trial = crowd_trial(name, placed, geometry.clone(), &self.settings())?;
-        if self.round {
-            for (agent, shape) in trial.agents.iter_mut().zip(shapes) {
-                agent.moment_of_inertia = shape.inertia(agent.mass);
-                agent.shapes.truncate(1);
-                (agent.shapes[0].position, agent.shapes[0].radius) = (Vec2::zeros(), shape.disks[0].radius);
-            }
-            choose_mechanical_step(&mut trial);
-        }
-        if let Some(friction) = self.friction {
-            let theirs = |contact: &&mut Contact| [&*contact.id1, &*contact.id2].contains(&self.material());
-            let contacts = trial.materials.binary.iter_mut().filter(theirs);
-            contacts.for_each(|contact| contact.kinetic_friction = friction);
-        }
-        Ok(trial)
     }
 
     /// Returns the settings of the Trial. People who leave are driven by nothing else.
@@ -393,13 +348,28 @@ impl Ready<'_> {
         let Ready { scenario, place, agents, .. } = self;
         let poses = crowd.packing.poses.iter().copied();
         let placed: Vec<(Agent, Pose)> = agents.iter().cloned().zip(poses).collect();
-        let trial = scenario.trial(name, &placed, &crowd.shapes, &place.geometry)?;
+        let mut trial = crowd_trial(name, &placed, place.geometry.clone(), &scenario.settings())?;
+        if scenario.round {
+            for (agent, shape) in trial.agents.iter_mut().zip(&crowd.shapes) {
+                agent.moment_of_inertia = shape.inertia(agent.mass);
+                agent.shapes.truncate(1);
+                (agent.shapes[0].position, agent.shapes[0].radius) = (Vec2::zeros(), shape.disks[0].radius);
+            }
+            choose_mechanical_step(&mut trial);
+        }
+        if let Some(friction) = scenario.friction {
+            let own = scenario.material();
+            let contacts = trial.materials.binary.iter_mut().filter(|of| of.id1 == own || of.id2 == own);
+            contacts.for_each(|contact| contact.kinetic_friction = friction);
+        }
         let (mut notes, mut decision) = (place.notes.clone(), None);
         if !agents.iter().any(|agent| matches!(agent, Agent::Bicycle(_))) {
             decision = scenario.decision(&agents, &trial, &place, &mut notes);
         }
-        let planned = |config| scenario.plan(&trial, &config).map(|plan| (config, plan));
-        let decision = decision.map(planned).transpose()?;
+        let leave = if scenario.leave { "`leave`: people cannot leave: " } else { "" };
+        let plan =
+            |config: &_| Plan::of(&trial, config).map_err(|error| impossible(format!("{leave}{error}")));
+        let decision = decision.map(|config| plan(&config).map(|plan| (config, plan))).transpose()?;
         let drive = drive(&trial, &scenario.pushes)?;
         Ok(Made { trial, agents, crowd, place, drive, decision, notes })
     }

@@ -63,6 +63,36 @@ impl Place {
         if self.is_plane() { packing.poses.len() as f64 / packing.density } else { self.area() }
     }
 
+    /// Refuses doors by which people would walk into a pillar, and notes those in which they may get stuck.
+    fn check_doors(&mut self, uncut: &Geometry, closed: &[Ring]) -> Result<()> {
+        let free = || self.grounds.iter().map(|ground| &ground.free);
+        for (number, door) in self.doors.iter().enumerate() {
+            if let Some(Wall { id, .. }) = door.wall(uncut)
+                && free().any(|free| free.obstacles.contains(id))
+                && !free().any(|free| free.rooms.contains(id))
+            {
+                let ([x, y], width): ([f64; 2], f64) = (door.at.into(), door.width);
+                return Err(impossible(format!(
+                    "`doors` {x},{y},{width}: the nearest closed wall is {id}, an obstacle: nobody stands inside it; {DOORS}"
+                )));
+            }
+            if door.width < NARROW {
+                self.notes.push(format!(
+                    "note: `doors`: door {number} is {} m wide: people are about {NARROW} m broad, and may get stuck",
+                    (door.width * 1e6).round() / 1e6
+                ));
+            }
+            // A corner lies between the ends of the gap.
+            if door.course(closed).len() > 2 {
+                self.notes.push(format!(
+                    "note: `doors`: door {number} goes round a corner of its wall, because the corner is nearer than half \
+                     the width"
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Returns the area of all grounds \[m²\].
     pub fn area(&self) -> f64 {
         self.grounds.iter().map(|ground| ground.free.region.area()).sum()
@@ -120,8 +150,11 @@ impl Scenario {
         Ok((geometry, whole, path.display().to_string()))
     }
 
-    /// Returns where people stand.
-    pub(crate) fn place(&self, files: &dyn Files, mut drawn: Option<Read>) -> Result<Place> {
+    /// Returns where people stand. `drawn` is what [`drawn`](Scenario::drawn) returned.
+    ///
+    /// # Errors
+    /// Walls do not bound a region, a region has no ground, or a door is not at a wall.
+    pub fn place(&self, files: &dyn Files, mut drawn: Option<Read>) -> Result<Place> {
         let mut notes = Vec::new();
         let (geometry, whole, name) = self.walls(files, drawn.as_ref(), &mut notes)?;
         let regions = self.regions_of(drawn.as_ref(), &mut notes)?;
@@ -173,9 +206,10 @@ impl Scenario {
             format!("`doors`: there is no closed wall in {name}: {DOORS}")
         })?;
         let cut = cut_doors(geometry.clone(), &doors).of("`doors`")?;
-        check_doors(&doors, &grounds, &geometry, &closed, &mut notes)?;
         let lines = closed.iter().map(|ring| ring.closed().to_vec()).collect();
-        Ok(Place { grounds, geometry: cut, lines, name, has_regions, drawn, doors, notes })
+        let mut place = Place { grounds, geometry: cut, lines, name, has_regions, drawn, doors, notes };
+        place.check_doors(&geometry, &closed)?;
+        Ok(place)
     }
 
     /// The doors that were given, and those for the exits of a drawing that lie on its walls.
@@ -233,40 +267,4 @@ fn grounds(regions: &[RegionForm], geometry: &Geometry, place: &str) -> Result<V
         grounds.push(Ground { free, name, amount: (region.number, region.density) });
     }
     Ok(grounds)
-}
-
-/// Refuses doors by which people would walk into a pillar, and notes those in which they may get stuck.
-fn check_doors(
-    doors: &[Door],
-    grounds: &[Ground],
-    uncut: &Geometry,
-    closed: &[Ring],
-    notes: &mut Vec<String>,
-) -> Result<()> {
-    let free = || grounds.iter().map(|ground| &ground.free);
-    for (number, door) in doors.iter().enumerate() {
-        if let Some(Wall { id, .. }) = door.wall(uncut)
-            && free().any(|free| free.obstacles.contains(id))
-            && !free().any(|free| free.rooms.contains(id))
-        {
-            let ([x, y], width): ([f64; 2], f64) = (door.at.into(), door.width);
-            return Err(impossible(format!(
-                "`doors` {x},{y},{width}: the nearest closed wall is {id}, an obstacle: nobody stands inside it; {DOORS}"
-            )));
-        }
-        if door.width < NARROW {
-            notes.push(format!(
-                "note: `doors`: door {number} is {} m wide: people are about {NARROW} m broad, and may get stuck",
-                (door.width * 1e6).round() / 1e6
-            ));
-        }
-        // A corner lies between the ends of the gap.
-        if door.course(closed).len() > 2 {
-            notes.push(format!(
-                "note: `doors`: door {number} goes round a corner of its wall, because the corner is nearer than half \
-                 the width"
-            ));
-        }
-    }
-    Ok(())
 }

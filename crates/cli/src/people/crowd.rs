@@ -276,9 +276,10 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
     if let (Some(read), Some(path)) = (&drawn, &scenario.geometry) {
         say_drawn(read, path);
     }
-    let ready = scenario.ready(&population, MOST_PEOPLE, &Disk, drawn).map_err(told)?;
-    let Ready { place, numbers, agents, .. } = &ready;
+    let place = scenario.place(&Disk, drawn).map_err(told)?;
     place.notes.iter().for_each(|said| note!("{}", words.note(said)));
+    let ready = scenario.ready(&population, place, MOST_PEOPLE).map_err(told)?;
+    let Ready { place, numbers, agents, .. } = &ready;
     if let Some(directory) = &trial.output {
         may_write(directory, trial.force).context("-o")?;
     }

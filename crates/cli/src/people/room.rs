@@ -123,12 +123,11 @@ impl DrawingArguments {
     /// # Errors
     /// It cannot be read, or there are no walls in it. The message names the file.
     pub fn read(&self, path: &Path) -> Result<Read> {
-        self.of_format(path, format_of(path)?).with_context(|| path.display().to_string())
-    }
-
-    fn of_format(&self, path: &Path, format: Format) -> Result<Read> {
-        let (bytes, form) = (input::read(path, LARGEST_DRAWING)?, self.form());
-        Read::of(format, &bytes, &form.reading(), &form.settings()).map_err(explained)
+        let (format, form) = (format_of(path)?, self.form());
+        let read = input::read(path, LARGEST_DRAWING)
+            .map_err(Into::into)
+            .and_then(|bytes| Read::of(format, &bytes, &form.reading(), &form.settings()).map_err(explained));
+        read.with_context(|| path.display().to_string())
     }
 
     /// Returns the keys of a scenario.
