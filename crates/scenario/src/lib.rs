@@ -205,12 +205,13 @@ impl Scenario {
 
     /// Returns whether a key, as messages call it, has another value than in another scenario.
     pub fn differs(&self, other: &Scenario, key: &str) -> bool {
-        let value = |of: &Scenario| -> Option<toml::Value> {
+        // As text: what is no number is not equal to itself.
+        let value = |of: &Scenario| -> Option<String> {
             let table = of.table().ok()?;
             let mut names = key.split('.');
             let first = names.next()?;
             let value = table.get(first).or_else(|| table.get("decision")?.get(first))?;
-            names.try_fold(value, |value, name| value.get(name)).cloned()
+            names.try_fold(value, |value, name| value.get(name)).map(ToString::to_string)
         };
         value(self) != value(other)
     }
