@@ -192,7 +192,8 @@ impl DecisionConfig {
     /// # Errors
     /// The text is not TOML, or has unknown keys or values of the wrong type; with line and column.
     pub fn from_toml(text: &str) -> Result<DecisionConfig, PlanError> {
-        toml::from_str(text).map_err(|error| PlanError::Toml(explained(&error)))
+        let explained = |error: toml::de::Error| words::explained(&error.to_string(), error.message());
+        toml::from_str(text).map_err(|error| PlanError::Toml(explained(error)))
     }
 
     /// Returns the text of a `decision.toml`, with units. Every number is read back as the same double.
@@ -323,17 +324,5 @@ impl DecisionConfig {
             BalanceName::Pendulum => Some(Balance::Pendulum(self.pendulum.unwrap_or_default())),
             BalanceName::TwoLevel => Some(Balance::TwoLevel(self.two_level.unwrap_or_default())),
         })
-    }
-}
-
-/// Returns the message, with a suggestion for an unknown key.
-fn explained(error: &toml::de::Error) -> String {
-    // The keys are between backticks: first the unknown one, then the expected ones.
-    let said = error.to_string();
-    let mut expected = error.message().split('`').skip(1).step_by(2);
-    let unknown = expected.next().filter(|_| error.message().starts_with("unknown field"));
-    match unknown.and_then(|unknown| words::meant(unknown, expected)) {
-        Some(meant) => format!("{}\ndid you mean `{meant}`?", said.trim_end()),
-        None => said,
     }
 }

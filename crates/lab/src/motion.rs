@@ -58,12 +58,21 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
     }
     let config = match motion {
         Motion::Own {} => {
-            forget_deleted(&mut driven)?;
-            return driven.read();
+            // The files of a Trial must not name people who are not there any more.
+            if driven.table.check_agents(Some(&driven.trial)).is_err() {
+                driven.push(driven.table.of_those(&driven.trial));
+            }
+            let text = driven.wishes.clone();
+            let config = (!text.is_empty()).then(|| DecisionConfig::from_toml(&text)).transpose()?;
+            let fewer = config.as_ref().and_then(|config| config.without_others(&driven.trial.agents));
+            if fewer.is_none() {
+                return Ok(Driven { wishes: text, ..driven.decided(config)? });
+            }
+            fewer
         }
         Motion::None {} => None,
         Motion::Push { pushes, balance } => {
-            driven.drive = lemons_scenario::drive(&driven.trial, pushes)?;
+            driven.push(lemons_scenario::drive(&driven.trial, pushes)?);
             (*balance != BalanceName::None).then(|| DecisionConfig::standing(*balance))
         }
         Motion::Walk { speed, ways, shares, seed } => {
@@ -82,20 +91,6 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
 pub fn missed(of: &Driven) -> Option<String> {
     let missed = of.table.missed(0.0, of.trial.parameters.time_step)?;
     Some(format!("{DRIVE_FILE}: {missed}"))
-}
-
-/// The files of a Trial must not name people who are not there any more.
-fn forget_deleted(driven: &mut Driven) -> Result<(), Refused> {
-    if driven.table.check_agents(Some(&driven.trial)).is_err() {
-        driven.drive = driven.table.text_for(&driven.trial);
-    }
-    if !driven.wishes.is_empty() {
-        let wishes = DecisionConfig::from_toml(&driven.wishes)?;
-        if let Some(fewer) = wishes.without_others(&driven.trial.agents) {
-            driven.wishes = fewer.to_toml()?;
-        }
-    }
-    Ok(())
 }
 
 /// As [`lemons_scenario::own_speeds`], if people are known.
