@@ -1,10 +1,10 @@
 //! The usual values of attributes, and the units in which others may be by mistake.
 
 use super::Setup;
-use super::advice::warning_of_attribute;
+use super::advice::of_attribute;
 use crate::engine::{Vec2, vec2};
 use lemons_core::trial::{
-    Agent, AgentDynamics, Contact, DriveTable, FileNames, Material, Problem, Push, quoted,
+    Agent, AgentDynamics, Contact, DriveTable, FileNames, Material, Problem, Push, Rule, quoted,
 };
 
 /// The rows of `usual.txt`: for each attribute its usual values, and why others are not.
@@ -168,7 +168,7 @@ impl Setup<'_> {
     pub(super) fn unusual(&self, places: &FileNames) -> impl Iterator<Item = Problem> {
         table().filter_map(|usual| {
             let (value, message) = usual.doubt(usual.values(self))?;
-            Some(warning_of_attribute(places, usual.attribute, value, message))
+            Some(of_attribute(Rule::Unusual, places, usual.attribute, value, message))
         })
     }
 }

@@ -17,7 +17,8 @@ mod pulse;
 mod schema;
 mod xml;
 
-pub use crate::xml::{Problem, Severity, quoted};
+pub use crate::rule::{Rule, Severity};
+pub use crate::xml::{Problem, quoted};
 pub use agents::{Agent, BODY_MASS_INDEX, Shape};
 pub use documents::{Checked, FileNames, INTERACTIONS, Trial, output_names};
 pub use drive::{DRIVE_FILE, DriveChoice, DriveTable, Missed, Push, own_drive};

@@ -9,7 +9,6 @@ use super::room::{explained, marks};
 use super::source::{CUSTOM_HELP, SourceArguments};
 use super::{line, read};
 use crate::binary::CROWD;
-use crate::check::walking::out_of_reach;
 use crate::error::{Misused, TrialHasErrors, and_then};
 use crate::files;
 use crate::interrupt::{Interrupt, Interrupted};
@@ -30,6 +29,7 @@ use lemons_people::{
     may_write, write_trial, write_trial_zip,
 };
 use lemons_scenario::{Crowd, OrientationName, Scenario, ScenarioError, named};
+use lemons_sim::lint::of_plan;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -355,7 +355,8 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
             if let Some(config) = &decision {
                 // A run would refuse it.
                 let plan = scenario.plan(&made, config).map_err(told)?;
-                out_of_reach(&plan, &made.geometry).iter().for_each(|doubt| note!("warning: {doubt}"));
+                let found = of_plan(&plan, &made, Path::new(""));
+                found.iter().for_each(|found| note!("{found}"));
             }
             let drive = lemons_scenario::drive(&made, &scenario.pushes).map_err(told)?;
             let decision = decision.map(|config| config.to_toml()).transpose()?;
