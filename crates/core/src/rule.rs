@@ -80,7 +80,7 @@ rules! {
     InPillar "people-in-pillar" Warning: "AgentDynamics.xml", "people stand inside of what may be a pillar", "move them, or open the wall";
     RowsMissed "drive-rows-missed" Warning: "drive.csv", "rows between communication points are not applied, and differ much from what is", "shorten the communication step (TimeStep, --step)";
     RowsBetween "drive-rows-between" Note: "drive.csv (lemons check)", "rows are between communication points: the drive is interpolated at each point and held until the next, so results depend on TimeStep", "see whether a shorter step changes results";
-    DriveAdded "drive-added" Note: "drive.csv, decision.toml", "the forces of drive.csv are added to those with which people walk", "--no-drive: only these";
+    DriveAdded "drive-added" Note: "drive.csv, decision.toml", "the forces of drive.csv are added to those with which people walk", "--no-drive, or drive = false: only these";
     TooFast "too-fast" Warning: "decision.toml", "somebody wants to be faster than people are", "give speeds in m/s";
     CannotWalk "cannot-walk" Warning: "decision.toml, Agents.xml", "who has FloorDamping=\"0\" cannot walk: the force with which they walk is Mass · FloorDamping · speed", "give a FloorDamping";
     ForcesUnused "forces-unused" Warning: "decision.toml, AgentDynamics.xml", "Fp and Mp of AgentDynamics.xml are not used, because people walk", "use a drive.csv";

@@ -43,7 +43,7 @@ impl Job {
                 }
                 loaded => loaded?,
             };
-            warnings.extend(loaded.warnings.iter().map(|warning| format!("{path}: {warning}")));
+            warnings.extend(loaded.warnings);
             digests.push(identity::digest(&loaded.identity)?);
             if models.all.len() == 1 {
                 identity.extend(loaded.identity);
