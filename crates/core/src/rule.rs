@@ -57,6 +57,12 @@ macro_rules! rules {
                     },)*
                 }
             }
+
+            /// Says what it finds, and what to do.
+            pub fn text(self) -> String {
+                let Row { means, advice, .. } = self.row();
+                format!("{means} ({advice})")
+            }
         }
     };
 }
@@ -86,7 +92,7 @@ rules! {
     ForcesUnused "forces-unused" Warning: "decision.toml, AgentDynamics.xml", "Fp and Mp of AgentDynamics.xml are not used, because people walk", "use a drive.csv";
     LegsIdle "legs-idle" Warning: "decision.toml, Agents.xml", "who has legs of the two-level model and FloorDamping=\"0\" does not try to stand still", "give a FloorDamping";
     LegsLate "legs-late" Warning: "decision.toml", "legs act once in a communication step, and too late", "shorten it (TimeStep, --step)";
-    FlatPush "flat-push" Note: "decision.toml", "with a limit of pushes, squeezes hardly grow where people queue with gaps", "do not take them for those of a crowd that presses";
+    FlatPush "flat-push" Note: "decision.toml", "in the model \"rotational\" people queue with gaps: above about 150 N squeezes hardly grow with the push, and they are no estimate of a crowd that presses without gaps", "docs/walking.md#how-hard-people-push";
     ExitHidden "exit-out-of-reach" Warning: "decision.toml, Geometry.xml", "an exit lies beyond walls, or so near before one that not everybody reaches it", "move it";
     WayBlocked "way-through-wall" Warning: "decision.toml, Geometry.xml", "a way to a way-point crosses a wall: ways to way-points are straight, and go round nothing", "add way-points";
     PointHidden "way-point-out-of-reach" Warning: "decision.toml, Geometry.xml", "a way-point is nearer to a wall than anybody gets", "move it, or give it a larger radius";

@@ -9,7 +9,7 @@ pub use end::RunEnd;
 use crate::Documents;
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
 use lemons_core::plane::Vec2;
-use lemons_core::trial::{AgentDynamics, DRIVE_FILE, DriveTable, Parameters, Problem, Rule, Trial};
+use lemons_core::trial::{Agent, AgentDynamics, DRIVE_FILE, DriveTable, Parameters, Problem, Rule, Trial};
 use lemons_decision::balance::Balance;
 use lemons_decision::plan::Planned;
 use lemons_decision::rule::UNLIMITED;
@@ -45,8 +45,7 @@ pub fn of_documents(documents: &Documents, files: &Files) -> Vec<Problem> {
     let unusual = doubts_of_drive(drive).into_iter();
     found.extend(unusual.map(|text| Problem::by(Rule::Unusual, &files.drive, text)));
     if plan.is_some() && drive.end().is_some() {
-        let row = Rule::DriveAdded.row();
-        found.push(Problem::by(Rule::DriveAdded, &files.decision, format!("{} ({})", row.means, row.advice)));
+        found.push(Problem::by(Rule::DriveAdded, &files.decision, Rule::DriveAdded.text()));
     }
     found
 }
@@ -55,8 +54,8 @@ pub fn of_documents(documents: &Documents, files: &Files) -> Vec<Problem> {
 pub fn of_plan(plan: &Plan, trial: &Trial, file: &Path) -> Vec<Problem> {
     let limited = plan.agents.iter().any(|agent| agent.walker.push < UNLIMITED)
         || plan.motivation.iter().any(|change| change.push.is_some());
-    let flat = plan.flat_push().filter(|_| limited);
-    let flat = flat.map(|text| (Rule::FlatPush, format!("push: {text}")));
+    let flat =
+        (limited && plan.queues()).then(|| (Rule::FlatPush, format!("push: {}", Rule::FlatPush.text())));
     let found = of_people(plan, trial).into_iter().chain(flat);
     let found = found.chain(walking::out_of_reach(plan, &trial.geometry)).chain(walking::unfit(plan));
     found.map(|(rule, text)| Problem::by(rule, file, text)).collect()
@@ -88,9 +87,9 @@ pub fn of_accuracy(documents: &Documents, directory: &Path, files: &Files) -> Ve
 fn of_people(plan: &Plan, trial: &Trial) -> Vec<(Rule, String)> {
     let mut found = Vec::new();
     let speed = |agent: &Planned| agent.walker.desired_speed;
-    let fast: Vec<&Planned> = plan.agents.iter().filter(|agent| speed(agent) > FASTEST).collect();
-    if let [first, others @ ..] = &fast[..] {
-        let others = match others.len() {
+    let mut fast = plan.agents.iter().filter(|agent| speed(agent) > FASTEST);
+    if let Some(first) = fast.next() {
+        let others = match fast.count() {
             0 => String::new(),
             n => format!(", and {n} others more than {FASTEST:?} m/s"),
         };
@@ -123,10 +122,9 @@ fn of_people(plan: &Plan, trial: &Trial) -> Vec<(Rule, String)> {
         found.push((Rule::LegsIdle, format!("agent {id:?} {message}")));
     }
     let is_pushed = |dynamics: &AgentDynamics| dynamics.fp != Vec2::zeros() || dynamics.mp != 0.0;
-    let pushed = trial.agents.iter().zip(&trial.dynamics).filter(|(_, dynamics)| is_pushed(dynamics));
-    let pushed: Vec<&str> = pushed.map(|(agent, _)| agent.id.as_str()).collect();
-    if let [first, others @ ..] = &pushed[..] {
-        let others = match others.len() {
+    let mut pushed = trial.agents.iter().zip(&trial.dynamics).filter(|(_, dynamics)| is_pushed(dynamics));
+    if let Some((Agent { id: first, .. }, _)) = pushed.next() {
+        let others = match pushed.count() {
             0 => String::new(),
             n => format!(" and {n} more"),
         };
@@ -152,9 +150,7 @@ pub fn late_legs(plan: &Plan, step: f64, file: &Path) -> Option<Problem> {
 
 /// Finds rows of a drive that a run from `start` with a communication step, both \[s\], does not apply.
 pub fn missed(drive: &DriveTable, start: f64, step: f64, file: &Path) -> Option<Problem> {
-    let missed = drive.missed(start, step)?;
-    let by = if missed.shortest.is_finite() { " (TimeStep, --step)" } else { "" };
-    Some(Problem::by(Rule::RowsMissed, file, format!("{missed}{by}")))
+    drive.missed(start, step).map(|text| Problem::by(Rule::RowsMissed, file, text))
 }
 
 /// Says up to which mechanical step a Trial is stable, and how accurate its own and another one are. `None` if nothing can

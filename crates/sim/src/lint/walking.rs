@@ -30,8 +30,7 @@ pub(super) fn unfit(plan: &Plan) -> Vec<(Rule, String)> {
     let meet = meeting(plan).map(|[one, other]| {
         (opposite, format!("people walk against each other, as agents {one:?} and {other:?}: "))
     });
-    let said =
-        |(rule, who): (Rule, String)| (rule, format!("{who}{} ({})", rule.row().means, rule.row().advice));
+    let said = |(rule, who): (Rule, String)| (rule, format!("{who}{}", rule.text()));
     leave.into_iter().chain(meet).map(said).collect()
 }
 
