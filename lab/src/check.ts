@@ -6,6 +6,15 @@ export class Unfit extends Error {}
 /** What it returns has the form; it throws `Unfit` if what is given does not. */
 export type Check<T> = (given: unknown) => T;
 
+export function fits(check: Check<unknown>, given: unknown): boolean {
+    try {
+        check(given);
+        return true;
+    } catch {
+        return false;
+    }
+}
+
 export const number: Check<number> = (given) => {
     if (typeof given !== "number" || !Number.isFinite(given)) throw new Unfit();
     return given;

@@ -2,7 +2,7 @@
 
 import { ready } from "./drawn";
 import { Hand } from "./hand";
-import { Check, Choice, digits, NumberField } from "./parts";
+import { Check, Choice, digits, Head, NumberField } from "./parts";
 import { frictionOf, type KeptCrowd } from "./forms";
 import { isPlaced, place } from "./live";
 import { KindName, MixForm } from "./mix";
@@ -106,15 +106,7 @@ function Placed({ made: { density, area, largest_overlap, statistics } }: { made
             </p>
             <div class="wide" tabIndex={0} role="region" aria-label="Statistics">
                 <table class="statistics">
-                    <thead>
-                        <tr>
-                            {["Measure", "Mean", "SD", "Least", "Most"].map((words) => (
-                                <th key={words} scope="col">
-                                    {words}
-                                </th>
-                            ))}
-                        </tr>
-                    </thead>
+                    <Head of={["Measure", "Mean", "SD", "Least", "Most"]} />
                     {statistics.map((kind) => (
                         <Kind key={kind.kind} {...kind} />
                     ))}

@@ -55,7 +55,8 @@ let answered: Drawing | null = null;
 export async function understand(given: Given, options: Partial<DrawingRequest> = {}) {
     const number = ++latest;
     const before = drawing.peek()?.given === given ? drawing.peek() : null;
-    const wanted: DrawingRequest = { name: given.file.name, unit: null, close: null, origin: false, walls: [], enclosing: null, doors: [], ...before?.wanted, ...options };
+    const first = { name: given.file.name, unit: null, close: null, deviation: null, origin: false, walls: [], enclosed: false, obstacles: [], widest: null, doors: [] };
+    const wanted: DrawingRequest = { ...first, ...before?.wanted, ...options };
     const now = { given, wanted, found: null, refused: "", asking: false };
     if (!before) asDrawn.value = false;
     // The next option is changed beside this one, also before the answer.
@@ -158,7 +159,7 @@ export function DrawingPanel() {
                 </>
             )}
             {found?.proposal && <Proposals key={`${asking}`} wanted={wanted} found={found} proposal={found.proposal} again={again} />}
-            {found && !wanted.enclosing && found.layers.length > 1 && <Layers wanted={wanted} layers={found.layers} again={again} />}
+            {found && !wanted.enclosed && found.layers.length > 1 && <Layers wanted={wanted} layers={found.layers} again={again} />}
             {found && found.exits.length > 0 && <Check label={`Take its exits (${found.exits.length})`} value={exits.value} onChange={(on) => (exits.value = on)} />}
             {found && found.distributions.length > 0 && <Check label="People stand where the plan says" value={region.value} onChange={(on) => (region.value = on)} />}
             {found && found.distributions.length > 1 && <p class="note">{`The plan has ${found.distributions.length} areas where people stand; the page takes the first one.`}</p>}
@@ -203,14 +204,14 @@ interface ProposalsProps {
 
 /** What a plan seems to be, where it is in doubt: each part is taken or left before the room is made. */
 function Proposals({ wanted, found, proposal, again }: ProposalsProps) {
-    const taken = wanted.enclosing !== null;
+    const taken = wanted.enclosed;
     const of = (name: string): Use => (proposal.walls.includes(name) ? "walls" : proposal.obstacles.includes(name) ? "obstacles" : "");
     const [uses, setUses] = useState(() => new Map(proposal.layers.map(({ name }) => [name, of(name)])));
     const isSame = (a: Door, b: Door) => distance(a.at, b.at) < 0.01;
     const first = proposal.gaps.filter(({ kind, door, outside }) => (taken ? outside && wanted.doors.some((one) => isSame(one, door)) : kind === "door"));
     const [doors, setDoors] = useState(() => first.map(({ door }) => door));
     const layers = (use: Use) => proposal.layers.map(({ name }) => name).filter((name) => uses.get(name) === use);
-    const take = (now: Door[] = doors) => again({ walls: layers("walls"), enclosing: { obstacles: layers("obstacles"), widest: proposal.widest }, close: wanted.close ?? proposal.close, doors: now });
+    const take = (now: Door[] = doors) => again({ walls: layers("walls"), enclosed: true, obstacles: layers("obstacles"), widest: proposal.widest, close: wanted.close ?? proposal.close, doors: now });
     const [outline, ...obstacles] = proposal.ground;
     return (
         <fieldset class="fields">
@@ -275,7 +276,7 @@ function Proposals({ wanted, found, proposal, again }: ProposalsProps) {
                     type="button"
                     onClick={() => {
                         asDrawn.value = true;
-                        again({ enclosing: null, doors: [], walls: [], close: null });
+                        again({ enclosed: false, obstacles: [], widest: null, doors: [], walls: [], close: null });
                     }}
                 >
                     Take it as it is drawn

@@ -1,7 +1,7 @@
 // What the user may have made has these forms, also when it comes from a link or the browser's storage.
 
-import { type Check, dictionary, flag, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
-import type { BalanceName, Base, CrowdRequest, Door, Edit, Four, Further, Material2d, Mechanics, Motion, Normal, OpenTime, PeopleRequest, PersonRequest, Place, Point, Push, Room, Rotational, WalkingModelName, Waypoint, Wishes } from "./protocol";
+import { type Check, dictionary, fits, flag, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
+import type { BalanceName, Base, Door, Edit, Four, Further, Material, Material2d, Mechanics, Motion, Normal, OpenTime, People, PersonRequest, Place, Point, Push, Room, Rotational, Scenario, Sex, WalkingModelName, Waypoint, Wishes } from "./protocol";
 import { rectangle } from "./roomshape";
 
 /** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
@@ -9,10 +9,12 @@ interface Kept {
     key: string;
 }
 
-type Table = Extract<PeopleRequest, { kind: "table" }>;
 type Upload = Extract<Base, { kind: "upload" }>;
-export type KeptPeople = Exclude<PeopleRequest, Table> | (Table & Kept);
-export type KeptCrowd = Omit<CrowdRequest, "people"> & { people: KeptPeople };
+/** Of tables sex, name and length. */
+export type KeptPeople = Extract<People, { kind: "survey" | "statistics" }> | ({ kind: "table"; files: [Sex, string, number][] } & Kept);
+/** Of a scenario what the forms have; `session.ts` makes one of it. */
+type Keys = Pick<Scenario, "number" | "density" | "direction" | "friction" | "round">;
+export type KeptCrowd = Keys & { seed: number; room: Room; region: Point[] | null; people: KeptPeople; mix: Record<string, number>; men: number; speed: number; material: Material };
 export type KeptBase = Extract<Base, { kind: "example" }> | ({ kind: "crowd" } & KeptCrowd) | (Upload & Kept);
 
 /** Most corners of an area and of a wall, most walls, most parts of another kind, most letters of a name, of a path and of a list of values,
@@ -34,21 +36,14 @@ const room = record<Room>({ outline, ...parts });
 /** In place of a Trial's walls. */
 const ofTrial = record<Room>({ outline: list(point, 0), ...parts });
 /** Whether it is still a room after a reload: what is larger would be lost then. */
-export function roomFits(given: Room): boolean {
-    try {
-        (given.outline.length > 0 ? room : ofTrial)(given);
-        return true;
-    } catch {
-        return false;
-    }
-}
+export const roomFits = (given: Room) => fits(given.outline.length > 0 ? room : ofTrial, given);
 
 const normal: Check<Normal> = tuple<Normal>(number, number, number, number);
 const four = record<Four>({ breadth: normal, depth: normal, stature: normal, mass: normal });
 const people = tagged<"kind", KeptPeople>("kind", {
     survey: record({}),
     statistics: record({ male: four, female: four }),
-    table: record({ files: list(tuple<["male" | "female", string, number]>(one("male", "female"), text(MOST.name), number), 2, 1), key: text() }),
+    table: record({ files: list(tuple<[Sex, string, number]>(one("male", "female"), text(MOST.name), number), 2, 1), key: text() }),
 });
 const inCrowd = record<KeptCrowd>({
     number: nullable(number),
@@ -92,14 +87,7 @@ export const crowd: Check<KeptCrowd> = (given) => {
     return inCrowd({ material: kept?.clothes === true ? "human_clothes" : "human_naked", friction: null, round: false, mix: {}, ...kept });
 };
 /** As `roomFits`, of a crowd. */
-export function crowdFits(given: KeptCrowd): boolean {
-    try {
-        crowd(given);
-        return true;
-    } catch {
-        return false;
-    }
-}
+export const crowdFits = (given: KeptCrowd) => fits(crowd, given);
 export const base = tagged<"kind", KeptBase>("kind", {
     example: record({ name: one("push") }),
     crowd,

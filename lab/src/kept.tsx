@@ -111,8 +111,8 @@ function useMap() {
         const client = new Client();
         const begun = (async () => {
             const { edits, mechanics, motion } = run.made;
-            const [base, bytes] = await sent(run.made.base);
-            const { value } = await client.ask<Opened>({ ask: "show", base, edits, mechanics, motion }, bytes);
+            const [scene, bytes] = await sent(run.made.base);
+            const { value } = await client.ask<Opened>({ ask: "show", ...scene, edits, mechanics, motion }, bytes);
             map.value = new ByPlace(client, run, quantity, value.scene.run);
         })();
         // The picture is then without a map.

@@ -123,6 +123,20 @@ export function Choice<T extends string>({ label, value, choices, onChange }: Ch
     );
 }
 
+export function Head({ of }: { of: readonly string[] }) {
+    return (
+        <thead>
+            <tr>
+                {of.map((words) => (
+                    <th key={words} scope="col">
+                        {words}
+                    </th>
+                ))}
+            </tr>
+        </thead>
+    );
+}
+
 /** What names mean: for those who have no mouse that shows titles. */
 export function Meanings({ of }: { of: [string, string][] }) {
     if (of.length === 0) return null;

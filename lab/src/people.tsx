@@ -1,10 +1,10 @@
 // Who the people of a crowd are: as surveyed, from statistics of the user's, or measured people.
 
 import { signal } from "@preact/signals";
-import { Choice, Field } from "./parts";
+import { Choice, Field, Head } from "./parts";
 import { type KeptPeople, MOST } from "./forms";
 import { plan } from "./plan";
-import type { Four, Normal } from "./protocol";
+import type { Four, Normal, Sex } from "./protocol";
 import { FileInput, type Given, taken } from "./upload";
 
 type Statistics = Extract<KeptPeople, { kind: "statistics" }>;
@@ -78,14 +78,14 @@ export function People({ people, onChange }: { people: KeptPeople; onChange(peop
 }
 
 /** The sex of a table is in its name. */
-function sexOf(name: string): "male" | "female" {
+function sexOf(name: string): Sex {
     if (/female|women/i.test(name)) return "female";
     if (/male|men/i.test(name)) return "male";
     throw new Error(`${name}: the name says neither MALE nor FEMALE`);
 }
 
 async function table(given: Given[]): Promise<Table> {
-    const files = given.map(({ file }) => [sexOf(file.name), file.name, file.size] as ["male" | "female", string, number]);
+    const files = given.map(({ file }) => [sexOf(file.name), file.name, file.size] as [Sex, string, number]);
     if (files.length > 2 || (files.length === 2 && files[0]![0] === files[1]![0])) throw new Error("choose one table of men, one of women, or both");
     const long = files.find(([, name]) => name.length > MOST.name);
     if (long) throw new Error(`the name ${long[1].slice(0, 20)}… has more than ${MOST.name} letters`);
@@ -94,7 +94,7 @@ async function table(given: Given[]): Promise<Table> {
 
 function StatisticsTable({ people, onChange }: { people: Statistics; onChange(people: Statistics): void }) {
     const { unit } = plan.value;
-    const set = (sex: "male" | "female", measure: keyof Four, k: number, value: number) => {
+    const set = (sex: Sex, measure: keyof Four, k: number, value: number) => {
         const row = people[sex][measure].map((old, j) => (j === k ? value : old)) as Normal;
         onChange({ ...people, [sex]: { ...people[sex], [measure]: row } });
     };
@@ -103,16 +103,7 @@ function StatisticsTable({ people, onChange }: { people: Statistics; onChange(pe
             {SEXES.map(([sex, who]) => (
                 <table class="statistics" key={sex}>
                     <caption>{who}: normal distributions between the least and the most</caption>
-                    <thead>
-                        <tr>
-                            <th scope="col">Measure</th>
-                            {VALUES.map((words) => (
-                                <th key={words} scope="col">
-                                    {words}
-                                </th>
-                            ))}
-                        </tr>
-                    </thead>
+                    <Head of={["Measure", ...VALUES]} />
                     <tbody>
                         {MEASURES.map(([measure, words]) => (
                             <tr key={measure}>

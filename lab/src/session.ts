@@ -5,7 +5,7 @@ import { Client, Stopped } from "./client";
 import { Film } from "./film";
 import { type KeptBase } from "./forms";
 import { arrive, change, FIRST, follow, isNew, keysInUse, type Made as Planned, opened, plan, settle, unread } from "./plan";
-import type { Base, Opened, PlacedCrowd, Scene } from "./protocol";
+import type { Opened, PlacedCrowd, Scene, Sex, Shown } from "./protocol";
 import { kept, remove } from "./store";
 
 export const client = new Client();
@@ -59,16 +59,18 @@ export async function attempt(what: () => Promise<void>) {
 }
 
 /** Without what only the page needs, and the files' contents. */
-export async function sent(base: KeptBase): Promise<[Base, Uint8Array | undefined]> {
-    if (base.kind === "example") return [base, undefined];
-    if (base.kind === "crowd") {
-        const { people } = base;
-        if (people.kind !== "table") return [{ ...base, people }, undefined];
-        const { key, ...table } = people;
-        return [{ ...base, people: table }, await contents(key, table.files.map(([, name]) => name).join(", "))];
+export async function sent(base: KeptBase): Promise<[Pick<Shown, "base" | "tables">, Uint8Array | undefined]> {
+    if (base.kind === "example") return [{ base }, undefined];
+    if (base.kind === "upload") {
+        const { key, ...upload } = base;
+        return [{ base: upload }, await contents(key, base.name)];
     }
-    const { key, ...upload } = base;
-    return [upload, await contents(key, base.name)];
+    const { region, people, ...keys } = base;
+    const regions = region ? [{ corners: region, number: null, density: null }] : [];
+    if (people.kind !== "table") return [{ base: { ...keys, regions, people } }, undefined];
+    const tables = people.files.map(([, name, length]): [string, number] => [name, length]);
+    const of = (sex: Sex) => people.files.find(([whose]) => whose === sex)?.[1] ?? null;
+    return [{ base: { ...keys, regions, people: { kind: "tables", male: of("male"), female: of("female") } }, tables }, await contents(people.key, tables.map(([name]) => name).join(", "))];
 }
 
 async function contents(key: string, name: string): Promise<Uint8Array> {
@@ -88,10 +90,10 @@ function describe(opened: Opened, base: KeptBase, seconds: number): string {
 
 async function open(wanted: Planned, number: number) {
     const { edits, motion, mechanics } = wanted;
-    const [base, bytes] = await sent(wanted.base);
+    const [scene, bytes] = await sent(wanted.base);
     if (number !== latest) return;
     const before = said.value;
-    const { value, bytes: first, seconds } = await client.ask<Opened>({ ask: "show", base, edits, mechanics, motion }, bytes);
+    const { value, bytes: first, seconds } = await client.ask<Opened>({ ask: "show", ...scene, edits, mechanics, motion }, bytes);
     // The lab has this scene now and not the one that is shown, which is opened again if the later one fails.
     if (number !== latest) {
         film.value?.end();

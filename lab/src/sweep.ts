@@ -87,10 +87,10 @@ function called(edit: Edit): string {
 
 /** `from`: the scene that is swept. */
 async function run(client: Client, from: Made, made: Made, doors: unknown[], until: number): Promise<Pick<Run, "made" | "measures" | "leftOut">> {
-    const [base, bytes] = await sent(made.base);
+    const [scene, bytes] = await sent(made.base);
     // People may be others, and walls may stand elsewhere: what was done by hand is done where it still fits.
     const fitting = JSON.stringify(from.base) !== JSON.stringify(made.base);
-    const show = (motion: Motion) => client.ask<Opened>({ ask: "show", base, edits: made.edits, fitting, mechanics: made.mechanics, motion }, bytes);
+    const show = (motion: Motion) => client.ask<Opened>({ ask: "show", ...scene, edits: made.edits, fitting, mechanics: made.mechanics, motion }, bytes);
     let opened = await show(made.motion);
     const out = new Map(opened.value.left_out);
     const edits = made.edits.filter((_, k) => !out.has(k));

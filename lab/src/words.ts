@@ -1069,7 +1069,6 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["# people do not fit on # m² without overlap", "# Personen passen nicht ohne Überlappung auf # m²", "# personnes ne tiennent pas sur # m² sans se recouvrir"],
     ["about # of them do", "etwa # passen", "environ # y tiennent"],
     ["the number must be # to #", "die Anzahl muss # bis # sein", "le nombre doit être de # à #"],
-    ["give either the number of people or their density", "Geben Sie entweder die Zahl der Personen oder ihre Dichte an", "donnez soit le nombre de personnes, soit leur densité"],
     ["# people are too many for a page", "# Personen sind zu viele für eine Seite", "# personnes, c'est trop pour une page"],
     ["# shapes cover # m²", "# Körper bedecken # m²", "# corps couvrent # m²"],
     ["but the region has # m²", "aber das Gebiet hat # m²", "mais la région a # m²"],

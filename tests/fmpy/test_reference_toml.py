@@ -6,10 +6,10 @@ import json
 import re
 import subprocess
 import tomllib
-import zipfile
 
 import pages
 import pytest
+from lemons_fmu import _native
 from crowd import REPOSITORY
 
 DECISION, SWEEP, SCENARIO = (f"docs/reference/{name}.md" for name in ("decision", "sweep", "scenario"))
@@ -98,10 +98,8 @@ class DecisionReader(Reader):
         return self.call("decide", "Trial", "--plan", "given.toml", "-o", "plan.fmu", "--force")
 
     def plan(self):
-        """What the FMU is made of."""
-        with zipfile.ZipFile(self.directory / "plan.fmu") as archive:
-            (name,) = (name for name in archive.namelist() if name.endswith("decision.toml"))
-            return archive.read(name)
+        """What it says of everybody."""
+        return _native.Model.read(str(self.directory / "Trial"), str(self.directory / "given.toml")).planned()
 
     BASE = {
         "exits": [

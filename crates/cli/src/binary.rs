@@ -4,7 +4,7 @@ use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::{Binary, COMPONENT};
 use crowd_mechanics::resources::TRIALS_FILE;
 use lemons_core::files::input;
-use lemons_decision::decision::PLAN_FILE;
+use lemons_decision::DECISION_FILE;
 use lemons_master::FileType;
 
 /// A shared library of this workspace.
@@ -18,7 +18,7 @@ pub struct Library {
 /// Of the crowd; the mark is the file of its resources.
 pub const CROWD: Library = Library { name: "crowd_mechanics", mark: TRIALS_FILE };
 /// Of the decision; so is its mark.
-pub const DECISION: Library = Library { name: "lemons_decision_fmu", mark: PLAN_FILE };
+pub const DECISION: Library = Library { name: "lemons_decision_fmu", mark: DECISION_FILE };
 
 impl Library {
     /// Checks that a file is this library, of any platform.

@@ -51,6 +51,7 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     let binaries = arguments.fmu.binaries(&DECISION)?;
     let unwritten = || format!("cannot write {}", arguments.output.display());
     lemons_decision::pack::write_fmu(
+        &documents.trial,
         plan,
         arguments.fmi.format(arguments.fmu.naming()),
         &binaries,

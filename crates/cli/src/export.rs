@@ -10,7 +10,7 @@ use clap::ValueEnum;
 use crowd_mechanics::setup;
 use lemons_core::files::input;
 use lemons_core::trial::{Trial, Wall};
-use lemons_decision::{DECISION_FILE, DecisionConfig, Person, Plan};
+use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
 use lemons_master::{FileType, Fmu, TrialInput};
 use lemons_people::drawing::{self, write_plan};
 use lemons_results::{
@@ -291,7 +291,7 @@ impl Arguments {
             bail!("{source}: nobody is there at its end, t = {end:.3} s: no Trial can go on from it");
         }
         let fewer = |(config, text): (DecisionConfig, String)| {
-            config.without_others(&Person::all_of(&trial)).map_or(Ok(text), |fewer| fewer.to_toml())
+            config.without_others(&trial.agents).map_or(Ok(text), |fewer| fewer.to_toml())
         };
         let later = |(config, text): (DecisionConfig, String)| {
             let later = plan.as_ref().map(|plan| config.going_on(plan, end));

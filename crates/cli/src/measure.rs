@@ -130,12 +130,13 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
     let (trial, record) = source.record_of(source.end(arguments.until)?, &interrupt)?;
     let has_areas = !arguments.areas.is_empty();
     let room = if has_areas { arguments.room(&record, trial.as_ref())? } else { None };
-    let seen = pass::pass(arguments, &record, room.as_ref(), &interrupt)?;
-    let (from, until) = seen.times;
+    let pieces: Vec<_> = trial.iter().flat_map(segments).collect();
+    let mut summary = pass::pass(arguments, &record, room.as_ref(), &pieces, &interrupt)?;
+    let Summary { from, until, .. } = summary;
     if !arguments.lines.is_empty() && (until - from) / arguments.window > MOST_WINDOWS {
         bail!(Misused(format!("--window: {} s makes more than a million windows", arguments.window)));
     }
-    if let Err(why) = seen.exposed {
+    if let Some(why) = summary.exposure_left_out {
         if !arguments.above.is_empty() {
             bail!("--above: {}: {why}", source.path.display());
         }
@@ -143,16 +144,14 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
             note!("exposure to squeeze is left out: {why}");
         }
     }
-    let pieces: Vec<_> = trial.iter().flat_map(segments).collect();
-    if arguments.walls && seen.walls.as_ref().is_none_or(|walls| walls.len() != pieces.len()) {
+    if arguments.walls && summary.walls.is_none() {
         bail!("--walls: {}: the results do not contain the forces on walls", source.path.display());
     }
-    let mut summary = Summary::of(arguments, &record, pieces, &seen);
     if summary.exposure.is_some() {
         summary.notes = arguments.caveats(trial.as_ref());
     }
     let json = serde_json::to_string_pretty(&summary)? + "\n";
-    let tables = tables::of(arguments, record.ids(), &summary, &seen)?;
+    let tables = tables::of(arguments, record.ids(), &summary)?;
     if let Some(directory) = output {
         create_dir_all(directory).with_context(|| format!("cannot write {}", directory.display()))?;
     }
@@ -161,7 +160,7 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
     let mut results: Vec<_> = paths.iter().zip(texts).map(|(path, own)| text(path, own)).collect();
     results.extend(arguments.summary.iter().map(|path| text(path, &json)));
     if let Some((path, format)) = picture {
-        results.push((path, format.bytes(chart::svg(arguments, &seen), chart::WIDTH)?));
+        results.push((path, format.bytes(chart::svg(arguments, &summary), chart::WIDTH)?));
     }
     let written = results.iter().map(|(path, content)| {
         let mut file = Output::claimed(path)?;

@@ -27,6 +27,12 @@ pub fn named<T: Copy + Send + Sync>(
     parser.map(move |said| all.iter().copied().find(|value| name(*value) == said).unwrap_or(all[0]))
 }
 
+/// A parser of a number of a scenario; `unit` follows its range in the error.
+fn ranged(key: &str, unit: &str) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + use<> {
+    let [low, high] = lemons_scenario::range(key);
+    within(low, high, unit)
+}
+
 /// A parser of a measure: breadth and depth in cm, the others in m and kg.
 fn measure(of: Measure) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
     let (scale, unit) = match of {

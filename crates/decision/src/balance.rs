@@ -27,9 +27,9 @@ pub enum Balance {
     TwoLevel(TwoLevel),
 }
 
-/// Motion of a person, as the own legs feel it.
+/// OwnMotion of a person, as the own legs feel it.
 #[derive(Debug, Clone, Copy)]
-pub struct Motion {
+pub struct OwnMotion {
     /// \[m\] centre of mass.
     pub at: Vec2,
     /// \[m/s\]
@@ -71,7 +71,7 @@ impl Legs {
     }
 
     /// Returns the same legs under a body, moving with it.
-    pub(crate) fn under(&self, motion: &Motion, stands: bool) -> Legs {
+    pub(crate) fn under(&self, motion: &OwnMotion, stands: bool) -> Legs {
         let Legs { steps, fallen, .. } = *self;
         Legs { steps, fallen, velocity: motion.velocity, ..Legs::new(motion.at, stands) }
     }
@@ -93,7 +93,7 @@ impl Balance {
     }
 
     /// Returns whether the person needs no step.
-    pub fn is_balanced(&self, legs: &Legs, motion: &Motion) -> bool {
+    pub fn is_balanced(&self, legs: &Legs, motion: &OwnMotion) -> bool {
         match self {
             Balance::Pendulum(of) => of.is_balanced(legs, motion),
             Balance::TwoLevel(of) => of.is_balanced(legs, motion),
@@ -102,7 +102,7 @@ impl Balance {
 
     /// Returns legs of somebody who wants to go somewhere, or does not. Who wants to stop stands from when the ankles can
     /// stop the body; who wants to start starts from balance.
-    pub fn decided(&self, legs: Legs, motion: &Motion, wants: bool) -> Legs {
+    pub fn decided(&self, legs: Legs, motion: &OwnMotion, wants: bool) -> Legs {
         let stops = || match self {
             Balance::Pendulum(of) => of.stops(motion),
             Balance::TwoLevel(of) => of.stops(motion),
@@ -130,7 +130,7 @@ impl Balance {
     }
 
     /// \[m/s²\] Returns the acceleration of the drive of somebody who stands, in addition to eq. 1's relaxation.
-    pub fn drive(&self, legs: &Legs, motion: &Motion) -> Vec2 {
+    pub fn drive(&self, legs: &Legs, motion: &OwnMotion) -> Vec2 {
         match self {
             Balance::Pendulum(of) => of.drive(legs, motion),
             Balance::TwoLevel(of) => of.drive(legs, motion),
@@ -138,7 +138,7 @@ impl Balance {
     }
 
     /// Moves the legs of everybody who stands by a step of time \[s\]; `None` is who is not there. Of walls, the faces.
-    pub fn pass(&self, people: &mut [Option<(Legs, Motion)>], faces: &[[Vec2; 2]], step: f64) {
+    pub fn pass(&self, people: &mut [Option<(Legs, OwnMotion)>], faces: &[[Vec2; 2]], step: f64) {
         for (legs, motion) in people.iter_mut().flatten().filter(|(legs, _)| !legs.stands) {
             *legs = legs.under(motion, false);
         }

@@ -17,47 +17,18 @@ mod write;
 use crate::balance::{Balance, Pendulum, TwoLevel};
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
-use crate::person::Person;
 use crate::plan::Plan;
 use crate::rule::{Motivation, UNLIMITED, Waypoint};
 use crate::spread::Spread;
-use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModel};
+use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModelName};
 use lemons_core::files::words;
-use lemons_core::trial::OpeningTimes;
+use lemons_core::trial::{Agent, OpeningTimes, Trial};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 
 /// Name of the settings in a Trial directory.
 pub const DECISION_FILE: &str = "decision.toml";
-
-/// Name of a model of how people walk among others.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-#[serde(rename_all = "kebab-case")]
-pub enum WalkingModelName {
-    /// Straight on, whoever is in the way.
-    #[default]
-    Straight,
-    /// See [`CollisionFreeSpeed`].
-    CollisionFreeSpeed,
-    /// See [`SocialForce`].
-    SocialForce,
-    /// See [`Rotational`].
-    Rotational,
-}
-
-impl WalkingModelName {
-    /// Returns its word in a `decision.toml`.
-    pub fn name(self) -> &'static str {
-        match self {
-            WalkingModelName::Straight => "straight",
-            WalkingModelName::CollisionFreeSpeed => "collision-free-speed",
-            WalkingModelName::SocialForce => "social-force",
-            WalkingModelName::Rotational => "rotational",
-        }
-    }
-}
 
 /// How people who stand keep their balance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -221,7 +192,8 @@ impl DecisionConfig {
     /// # Errors
     /// The text is not TOML, or has unknown keys or values of the wrong type; with line and column.
     pub fn from_toml(text: &str) -> Result<DecisionConfig, PlanError> {
-        toml::from_str(text).map_err(|error| PlanError::Toml(explained(&error)))
+        let explained = |error: toml::de::Error| words::explained(&error.to_string(), error.message());
+        toml::from_str(text).map_err(|error| PlanError::Toml(explained(error)))
     }
 
     /// Returns the text of a `decision.toml`, with units. Every number is read back as the same double.
@@ -233,7 +205,7 @@ impl DecisionConfig {
     }
 
     /// Returns the same without settings of those who are not among these people; `None` if there are none of others.
-    pub fn without_others(&self, people: &[Person]) -> Option<DecisionConfig> {
+    pub fn without_others(&self, people: &[Agent]) -> Option<DecisionConfig> {
         let mut fewer = self.clone();
         let is_there = |id: &String| people.iter().any(|person| person.id == *id);
         fewer.agents.retain(|id, _| is_there(id));
@@ -302,12 +274,12 @@ impl DecisionConfig {
 
     /// Makes settings in which everybody walks at one speed \[m/s\], on the way whose
     /// first point is nearest. `None` if no way has a point.
-    pub fn nearest_of(people: &[Person], speed: f64, ways: &[Vec<Waypoint>]) -> Option<DecisionConfig> {
+    pub fn nearest_of(trial: &Trial, speed: f64, ways: &[Vec<Waypoint>]) -> Option<DecisionConfig> {
         let ways: Vec<&Vec<Waypoint>> = ways.iter().filter(|way| !way.is_empty()).collect();
         let waypoints = Some((*ways.first()?).clone());
         let mut agents = BTreeMap::new();
-        for Person { id, pose, .. } in people {
-            let far = |way: &[Waypoint]| libm::hypot(way[0].x - pose.x, way[0].y - pose.y);
+        for (Agent { id, .. }, own) in trial.agents.iter().zip(&trial.dynamics) {
+            let far = |way: &[Waypoint]| libm::hypot(way[0].x - own.position.x, way[0].y - own.position.y);
             let nearest = ways.iter().min_by(|a, b| far(a).total_cmp(&far(b))).map(|way| (*way).clone());
             if nearest != waypoints {
                 agents.insert(id.clone(), AgentConfig { waypoints: nearest, ..AgentConfig::default() });
@@ -352,42 +324,5 @@ impl DecisionConfig {
             BalanceName::Pendulum => Some(Balance::Pendulum(self.pendulum.unwrap_or_default())),
             BalanceName::TwoLevel => Some(Balance::TwoLevel(self.two_level.unwrap_or_default())),
         })
-    }
-
-    /// Returns the model with its constants.
-    pub(crate) fn walking_model(&self) -> Result<WalkingModel, PlanError> {
-        let name = self.model.unwrap_or_default();
-        let sections = [
-            (
-                "collision-free-speed",
-                WalkingModelName::CollisionFreeSpeed,
-                self.collision_free_speed.is_some(),
-            ),
-            ("social-force", WalkingModelName::SocialForce, self.social_force.is_some()),
-            ("rotational", WalkingModelName::Rotational, self.rotational.is_some()),
-        ];
-        if let Some((key, ..)) = sections.into_iter().find(|(_, of, given)| *given && *of != name) {
-            return Err(PlanError::OtherModel { key });
-        }
-        Ok(match name {
-            WalkingModelName::Straight => WalkingModel::Straight,
-            WalkingModelName::CollisionFreeSpeed => {
-                WalkingModel::CollisionFreeSpeed(self.collision_free_speed.unwrap_or_default())
-            }
-            WalkingModelName::SocialForce => WalkingModel::SocialForce(self.social_force.unwrap_or_default()),
-            WalkingModelName::Rotational => WalkingModel::Rotational(self.rotational.unwrap_or_default()),
-        })
-    }
-}
-
-/// Returns the message, with a suggestion for an unknown key.
-fn explained(error: &toml::de::Error) -> String {
-    // The keys are between backticks: first the unknown one, then the expected ones.
-    let said = error.to_string();
-    let mut expected = error.message().split('`').skip(1).step_by(2);
-    let unknown = expected.next().filter(|_| error.message().starts_with("unknown field"));
-    match unknown.and_then(|unknown| words::meant(unknown, expected)) {
-        Some(meant) => format!("{}\ndid you mean `{meant}`?", said.trim_end()),
-        None => said,
     }
 }

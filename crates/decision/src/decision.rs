@@ -1,20 +1,19 @@
 //! The model of the FMU: poses are inputs, drives are outputs.
 
-use crate::balance::{Legs, Motion};
+use crate::balance::{Legs, OwnMotion};
+use crate::config::DECISION_FILE;
 use crate::exit_choice::Choice;
 use crate::plan::Plan;
-use crate::rule::{Pose, Propulsion, Walker};
+use crate::rule::{Propulsion, Walker};
 use crate::stuck::{StuckAction, StuckState, normal, share};
 use crate::target::{Arrival, Destination, Ways};
-use crate::walking_model::{DesiredMotion, Walking, WalkingModel};
-use lemons_core::files::input;
-use lemons_core::plane::{Vec2, vec2};
+use crate::walking_model::{DesiredMotion, Walking};
+use lemons_core::plane::{InPlane, Motion, Pose, Vec2, vec2};
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Dependencies, Known, Role, Scalar, Size, Variable};
 use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, damaged, fingerprint, refuse};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-use std::fmt::Display;
 use std::sync::Arc;
 
 mod aims;
@@ -26,9 +25,6 @@ pub mod quantities;
 use aims::Aim;
 pub use legs::Stance;
 pub use quantities::Quantity;
-
-/// Name of the plan's file in the FMU's resources.
-pub const PLAN_FILE: &str = "decision.toml";
 
 /// \[s\] Relaxation time of the direction of walking, or only of the gaze.
 const STEERING_TIME: f64 = 0.3;
@@ -57,8 +53,8 @@ pub struct Saved {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Agent {
     pose: Pose,
-    /// \[m/s\] x and y.
-    velocity: [f64; 2],
+    /// \[m/s\]
+    velocity: Vec2,
     walker: Walker,
     /// Index of the next way-point. It is updated by steps: a way-point that was reached stays reached.
     next: usize,
@@ -67,7 +63,7 @@ pub struct Agent {
     /// \[s\] How long it has waited at the next way-point.
     waited: f64,
     /// \[m\] Where the agent was at the last step.
-    last: Option<[f64; 2]>,
+    last: Option<Vec2>,
     stuck: StuckState,
     /// \[rad\] Angle from the way to the direction of walking, or only of the gaze.
     steering: f64,
@@ -93,21 +89,17 @@ impl Agent {
     }
 
     fn at(&self) -> Vec2 {
-        vec2(self.pose.x, self.pose.y)
+        self.pose.position
     }
 
-    fn velocity(&self) -> Vec2 {
-        vec2(self.velocity[0], self.velocity[1])
-    }
-
-    fn motion(&self) -> Motion {
+    fn motion(&self) -> OwnMotion {
         let Walker { floor_damping: damping, stature, .. } = self.walker;
-        Motion { at: self.at(), velocity: self.velocity(), damping, stature }
+        OwnMotion { at: self.at(), velocity: self.velocity, damping, stature }
     }
 
     /// \[m\] Where the agent came from.
     fn from(&self) -> Vec2 {
-        self.last.map_or(self.at(), |[x, y]| vec2(x, y))
+        self.last.unwrap_or(self.at())
     }
 }
 
@@ -155,7 +147,7 @@ impl Decision {
     pub fn new(plan: Plan) -> Decision {
         let agents = plan.agents.iter().enumerate().map(|(i, agent)| Agent {
             pose: agent.pose,
-            velocity: [0.0; 2],
+            velocity: Vec2::zeros(),
             walker: agent.walker.clone(),
             next: 0,
             left: false,
@@ -177,8 +169,8 @@ impl Decision {
         for (group, members) in plan.groups.iter().enumerate() {
             members.iter().for_each(|&i| groups[i] = Some(group));
         }
-        let walls = plan.polylines();
-        let faces = walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]])).collect();
+        let faces =
+            plan.walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]])).collect();
         let faces = Arc::new(faces);
         Decision {
             agents,
@@ -195,11 +187,11 @@ impl Decision {
         }
     }
 
-    /// Everybody is seen at these poses, with these velocities \[m/s\], in their order; without FMI. Who walks decides at
-    /// [`Decision::acts`], and [`Decision::pass`] ends the step.
-    pub fn see(&mut self, motions: impl Iterator<Item = (Pose, Vec2)>) {
-        for (agent, (pose, velocity)) in self.agents.iter_mut().zip(motions) {
-            (agent.pose, agent.velocity) = (pose, [velocity.x, velocity.y]);
+    /// Everybody is seen in these motions, in their order; without FMI. Who walks decides at [`Decision::acts`], and
+    /// [`Decision::pass`] ends the step.
+    pub fn see(&mut self, motions: impl Iterator<Item = Motion>) {
+        for (agent, Motion { pose, twist }) in self.agents.iter_mut().zip(motions) {
+            (agent.pose, agent.velocity) = (pose, twist.velocity);
         }
         (self.wanted, self.aims, self.legs) = (None, None, None);
     }
@@ -258,7 +250,7 @@ impl Decision {
             }
             let waits = agent.waits();
             let waited = if next == agent.next { agent.waited } else { 0.0 };
-            (agent.next, agent.left, agent.last) = (next, leaves, Some([at.x, at.y]));
+            (agent.next, agent.left, agent.last) = (next, leaves, Some(at));
             agent.waited = if waits { waited + step } else { waited };
             goes_on |= waits && !agent.waits();
         }
@@ -313,7 +305,7 @@ impl Decision {
     fn drive(&mut self, i: usize) -> Answer<Propulsion> {
         let mut drive = self.drive_of_walking(i)?;
         let agent = &self.agents[i];
-        agent.walker.limit(&mut drive, agent.velocity());
+        agent.walker.limit(&mut drive, agent.velocity);
         if let Some(balance) = self.plan.balance {
             self.decide_legs(&balance);
             let legs = self.legs.as_ref().and_then(|legs| legs[i]).filter(|legs| legs.stands);
@@ -360,8 +352,8 @@ impl Decision {
         let (direction, speed) = self.goes(i).unzip();
         Some(Walking {
             at: agent.at(),
-            velocity: agent.velocity(),
-            theta: agent.pose.theta,
+            velocity: agent.velocity,
+            theta: agent.pose.orientation,
             disks: &self.plan.agents[i].disks,
             direction,
             speed: speed.unwrap_or(0.0),
@@ -420,7 +412,7 @@ impl Decision {
                 StuckAction::Insist(speed) => {
                     (wanted.velocity, wanted.speed, wanted.force) = (direction * speed, speed, Vec2::zeros());
                     // Where shoulders are turned, they stay so.
-                    if !matches!(self.plan.walking_model, WalkingModel::Rotational(_)) {
+                    if !self.plan.walking_model.turns_shoulders() {
                         wanted.facing = Some(direction);
                     }
                 }
@@ -446,22 +438,20 @@ impl Model for Decision {
     const DESCRIPTION: &'static str =
         "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 8;
+    const STATE_VERSION: u32 = 9;
     const SIZES: &'static [Size] = &quantities::SIZES;
     const VARIABLES: &'static [Variable<Quantity>] = &quantities::QUANTITIES;
 
     fn load(location: Location<'_>) -> Answer<Decision> {
         let candidates = location.directories()?;
-        let path = candidates.iter().map(|directory| directory.join(PLAN_FILE)).find(|path| path.exists());
-        let Some(path) = path else {
+        let Some(directory) = candidates.iter().find(|directory| directory.join(DECISION_FILE).exists())
+        else {
             let (location, path) = (location.text(), &candidates[0]);
             return refuse(format!(
-                "the resource location {location:?} is {path:?}, which has no {PLAN_FILE}"
+                "the resource location {location:?} is {path:?}, which has no {DECISION_FILE}"
             ));
         };
-        let at = |error: &dyn Display| Refusal::new(format!("{}: {error}", path.display()));
-        let text = input::read_text(&path, input::LARGEST_SETTINGS).map_err(|error| at(&error))?;
-        Plan::from_toml(&text).map(Decision::new).map_err(|error| at(&error))
+        Plan::read(directory).map(Decision::new).map_err(Refusal::new)
     }
 
     fn size(&self, place: usize) -> u64 {
@@ -565,7 +555,7 @@ impl Model for Decision {
         }
         let alike = |(a, b): (&Agent, &Agent)| {
             let count = b.walker.waypoints.len();
-            let last = a.last.unwrap_or_default().iter().all(|number| number.is_finite());
+            let last = a.last.is_none_or(|at| at.is_finite());
             let own = [a.steering, a.noise, a.phase, a.choice.wait, a.choice.turn]
                 .iter()
                 .all(|number| number.is_finite());

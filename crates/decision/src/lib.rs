@@ -20,14 +20,13 @@
 //! - [`error`]: what is wrong with a plan
 //! - `cells`: who and which walls are near somebody
 //! - [`balance`]: legs under those who stand
-//! - [`person`]: the people of a Trial
 //! - [`walking_model`]: how people walk among others
 //! - [`spread`]: numbers that differ from person to person
-//! - [`config`]: a user's `decision.toml`
-//! - [`plan`]: the data before the start, of everybody
+//! - [`config`]: `decision.toml`, what a user wrote
+//! - [`plan`]: what it becomes, for each agent of a Trial
 //! - [`decision`]: the model of the FMU; [`decision::quantities`]: its variables
 //!   in FMI 2.0 and 3.0
-//! - [`pack`]: writes an `.fmu` from a plan and binaries
+//! - [`pack`]: writes an `.fmu` from a Trial, a plan and binaries
 
 pub mod balance;
 mod cells;
@@ -38,7 +37,6 @@ pub mod error;
 pub mod exit_choice;
 pub mod field;
 pub mod pack;
-pub mod person;
 pub mod plan;
 pub mod rule;
 pub mod spread;
@@ -47,11 +45,10 @@ pub mod target;
 pub mod walking_model;
 
 pub use config::{
-    AgentConfig, BalanceName, DECISION_FILE, DecisionConfig, GroupsConfig, TargetConfig, WalkingModelName,
-    WayConfig,
+    AgentConfig, BalanceName, DECISION_FILE, DecisionConfig, GroupsConfig, TargetConfig, WayConfig,
 };
 pub use decision::Decision;
 pub use error::PlanError;
-pub use person::Person;
 pub use plan::{DEFAULT_SPEED, Plan};
 pub use spread::Spread;
+pub use walking_model::WalkingModelName;

@@ -1,14 +1,16 @@
-//! Writes an `.fmu` from a plan and binaries.
+//! Writes an `.fmu` from a Trial, a plan and binaries. Its resources are a Trial directory with a `decision.toml`.
 
-use crate::decision::{Decision, PLAN_FILE};
+use crate::config::DECISION_FILE;
+use crate::decision::Decision;
 use crate::error::PlanError;
 use crate::plan::Plan;
 use lemons_core::files::source::Disk;
+use lemons_core::trial::Trial;
 use lemons_fmi::archive::{Archive, ArchiveError, Binary, Content, Drawing};
 use lemons_fmi::description::{Packed, documentation, model_description, packed_description, terminals_xml};
-use lemons_fmi::model::fingerprint;
 use lemons_fmi::{Format, Version};
 use std::io::{Seek, Write};
+use std::path::Path;
 use thiserror::Error;
 
 /// More numbers of way-points are not written: their zeros alone would fill a description of 100 MB.
@@ -34,11 +36,12 @@ pub fn description(plan: &Plan, format: Format) -> String {
     model_description(&mut Decision::new(plan.clone()), format).expect("start values are in the plan")
 }
 
-/// Writes the FMU of a plan.
+/// Writes the FMU of a plan for the people of a Trial.
 ///
 /// # Errors
 /// A binary cannot be read, or the FMU cannot be written; see [`PackError`].
 pub fn write_fmu(
+    trial: &Trial,
     plan: &Plan,
     format: Format,
     binaries: &[Binary],
@@ -52,8 +55,7 @@ pub fn write_fmu(
         Version::V2 => include_str!("documentation.html"),
         Version::V3 => include_str!("documentation_3.html"),
     };
-    let text = plan.to_toml()?;
-    let packed = Packed { name: PLAN_FILE.to_owned(), fingerprint: fingerprint(text.as_bytes()) };
+    let packed = Packed { name: DECISION_FILE.to_owned(), fingerprint: plan.fingerprint };
     let mut model = Decision::new(plan.clone());
     let names = ["Position", "Theta", "Velocity", "Fp", "Mp", "Active"];
     let content = Content {
@@ -69,7 +71,11 @@ pub fn write_fmu(
         picture: None,
     };
     let mut archive = Archive::begin::<Decision>(file, &Disk, &content)?;
-    archive.add(&format!("resources/{PLAN_FILE}"), text.as_bytes())?;
+    archive.add(&format!("resources/{DECISION_FILE}"), plan.config.to_toml()?.as_bytes())?;
+    for (path, text) in trial.texts(Path::new("resources")) {
+        let parts: Vec<_> = path.iter().map(|part| part.to_string_lossy()).collect();
+        archive.add(&parts.join("/"), text.as_bytes())?;
+    }
     Ok(archive.finish()?)
 }
 
@@ -83,32 +89,18 @@ fn check_size(plan: &Plan) -> Result<(), PackError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::person::Person;
-    use crate::rule::Pose;
+    use crate::config::DecisionConfig;
+    use lemons_core::trial::{Agent, AgentDynamics};
 
     #[test]
     fn one_route_that_is_far_too_long_for_an_array_of_all_is_refused() {
-        let person = |i: usize| Person {
-            id: i.to_string(),
-            mass: 70.0,
-            stature: None,
-            moment_of_inertia: 1.3,
-            floor_damping: 2.0,
-            angular_damping: 4.0,
-            pose: Pose::default(),
-            disks: Vec::new(),
-        };
-        let people: Vec<Person> = (0..3000).map(person).collect();
+        let person = |i: usize| (Agent::new(i.to_string(), 70.0, 1.3, [2.0, 4.0]), AgentDynamics::default());
+        let trial = Trial::of((0..3000).map(person), Vec::new(), 0.05);
         let route = "{ x = 1, y = 2 },".repeat(4000);
         let config = format!("waypoints = [{{ x = 1, y = 2 }}]\n[agents.7]\nwaypoints = [{route}]");
-        let plan = Plan::among(
-            std::iter::empty(),
-            &people,
-            &crate::config::DecisionConfig::from_toml(&config).unwrap(),
-            0.05,
-        )
-        .unwrap();
-        let error = write_fmu(&plan, Format::Fmi3, &[], std::io::Cursor::new(Vec::new())).unwrap_err();
+        let plan = Plan::of(&trial, &DecisionConfig::from_toml(&config).unwrap()).unwrap();
+        let error =
+            write_fmu(&trial, &plan, Format::Fmi3, &[], std::io::Cursor::new(Vec::new())).unwrap_err();
         assert!(matches!(error, PackError::TooLarge { agents: 3000, waypoints: 4000 }), "{error}");
     }
 }

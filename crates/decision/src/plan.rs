@@ -1,6 +1,4 @@
-//! The plan for the people of a Trial that follows from settings: everything for each agent.
-//!
-//! A plan is TOML (`decision.toml` in the FMU's resources).
+//! The plan for the people of a Trial that follows from a `decision.toml`: everything for each agent, in memory only.
 
 mod checked;
 mod destinations;
@@ -8,20 +6,21 @@ mod groups;
 mod normalized;
 
 use crate::balance::Balance;
-use crate::config::{AgentConfig, DecisionConfig};
-pub use crate::door::Door;
+use crate::config::{AgentConfig, DECISION_FILE, DecisionConfig};
 use crate::error::{PlanError, moderate};
 use crate::exit_choice::ExitChoice;
-use crate::person::Person;
-use crate::rule::{Motivation, Pose, UNLIMITED, Walker, Waypoint, usual_stature};
+use crate::rule::{Motivation, UNLIMITED, Walker, Waypoint, usual_stature};
 use crate::stuck::normal;
 use crate::target::{Destination, Target, Ways};
 use crate::walking_model::WalkingModel;
 use destinations::{destinations, targets_of, ways};
-use lemons_core::plane::{Vec2, vec2};
+use lemons_core::files::input;
+use lemons_core::plane::{Pose, Vec2, vec2};
 use lemons_core::trial::{Trial, Wall};
+use lemons_fmi::fingerprint;
 pub use normalized::normalized;
-use serde::{Deserialize, Serialize};
+use std::fmt::Display;
+use std::path::Path;
 
 /// \[m/s\] Mean speed of pedestrians who walk freely (Weidmann 1993).
 pub const DEFAULT_SPEED: f64 = 1.34;
@@ -33,15 +32,13 @@ const SPEED_DRAW: u64 = u64::MAX / 4;
 const START_DRAW: u64 = u64::MAX / 8;
 
 /// An agent of a plan.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Planned {
     /// Id in Agents.xml.
     pub id: String,
     /// Destination after the last way-point.
-    #[serde(default, skip_serializing_if = "is_default")]
     pub destination: Destination,
-    /// See [`Person::disks`]; empty where nobody looks at them.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    /// Disks relative to the centre of mass when the gaze is along x: x, y, radius \[m\]; none where nobody looks at them.
     pub disks: Vec<[f64; 3]>,
     /// Start values of the inputs.
     pub pose: Pose,
@@ -66,42 +63,32 @@ impl Planned {
     }
 }
 
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
-}
-
 /// The initial data of the FMU.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
+    /// What the user wrote.
+    pub config: DecisionConfig,
+    /// Tells one plan from another by the content of its Trial and of its settings.
+    pub fingerprint: u128,
     /// \[s\] `DefaultExperiment.stepSize`
     pub time_step: f64,
     /// Chooses who does what when nobody gets on.
-    #[serde(default, skip_serializing_if = "is_default")]
     pub seed: u64,
-    /// \[m\] Corners (x, y) of each wall; none if nobody looks at them.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub walls: Vec<Vec<[f64; 2]>>,
+    /// \[m\] Corners of each wall that never opens; none if nobody looks at them.
+    pub walls: Vec<Vec<Vec2>>,
     /// Walls that open.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub doors: Vec<Door>,
+    pub doors: Vec<Wall>,
     /// Groups that stay together: places of their members in `agents`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub groups: Vec<Vec<usize>>,
     /// Model of how people walk among others.
-    #[serde(default, skip_serializing_if = "is_default")]
     pub walking_model: WalkingModel,
     /// Legs of those who stand, if they have any.
-    #[serde(default, skip_serializing_if = "is_default")]
     pub balance: Option<Balance>,
     /// How people choose who take the nearest exit.
-    #[serde(default, skip_serializing_if = "is_default")]
     pub exit_choice: ExitChoice,
     /// Changes of everybody's motivation during the run.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub motivation: Vec<Motivation>,
     /// Exits and goals.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub targets: Vec<Target>,
     /// People in the order of Agents.xml; at least one.
     pub agents: Vec<Planned>,
@@ -117,36 +104,10 @@ impl Plan {
     /// in front of one that is closed.
     ///
     /// # Errors
-    /// Those of [`Plan::among`].
-    pub fn of(trial: &Trial, config: &DecisionConfig) -> Result<Plan, PlanError> {
-        let walls = trial.geometry.fixed_walls().map(|wall| &wall.corners[..]);
-        let corners = |wall: &Wall| wall.corners.iter().map(|at| [at.x, at.y]).collect();
-        let door = |wall: &Wall| Some(Door { corners: corners(wall), open: wall.open.clone()? });
-        let doors = trial.geometry.walls.iter().filter_map(door).collect();
-        Plan::made(walls, doors, &Person::all_of(trial), config, trial.parameters.time_step)
-    }
-
-    /// Makes a plan from settings for these people among walls.
-    ///
-    /// # Errors
     /// There is a setting for an unknown agent, exit or goal, an agent without way-points and exits, an exit to which no
     /// way leads, or a number out of range.
-    pub fn among<'a>(
-        walls: impl Iterator<Item = &'a [Vec2]>,
-        people: &[Person],
-        config: &DecisionConfig,
-        time_step: f64,
-    ) -> Result<Plan, PlanError> {
-        Plan::made(walls, Vec::new(), people, config, time_step)
-    }
-
-    fn made<'a>(
-        walls: impl Iterator<Item = &'a [Vec2]>,
-        doors: Vec<Door>,
-        people: &[Person],
-        config: &DecisionConfig,
-        time_step: f64,
-    ) -> Result<Plan, PlanError> {
+    pub fn of(trial: &Trial, config: &DecisionConfig) -> Result<Plan, PlanError> {
+        let people = &trial.agents;
         if let Some(unknown) = config.agents.keys().find(|id| people.iter().all(|person| person.id != **id)) {
             return Err(PlanError::UnknownAgent(unknown.clone()));
         }
@@ -158,9 +119,7 @@ impl Plan {
         config.start.map_or(Ok(()), |start| start.check("start"))?;
         let (walking_model, balance) = (config.walking_model()?, config.balance()?);
         let targets = targets_of(config)?;
-        let walls: Vec<&[Vec2]> = walls.collect();
-        let faces = walls.iter().flat_map(|wall| wall.windows(2)).map(|ends| [ends[0], ends[1]]);
-        let groups = groups::groups(people, config, &faces.collect::<Vec<_>>())?;
+        let groups = groups::groups(trial, config)?;
         let leads = groups::leads(people, config, &groups)?;
         let destinations = destinations(people, config, &targets, &groups, &leads)?;
         let chosen = ways(people.len(), config, &groups)?;
@@ -171,15 +130,18 @@ impl Plan {
             several || goes(&config.waypoints) || config.agents.values().any(|own| goes(&own.waypoints));
         let only_stands = balance.is_some() && targets.is_empty() && !ways;
         let seed = config.seed.unwrap_or(0);
+        let doors: Vec<Wall> =
+            trial.geometry.walls.iter().filter(|wall| wall.open.is_some()).cloned().collect();
         let bodies = walking_model.sees_others() || !doors.is_empty();
         let push = |i: usize| {
             let drawn = |deviation: f64| deviation * normal(seed, i as u64, PUSH_DRAW);
             let push = config.push.unwrap_or(UNLIMITED);
             config.push_sd.map_or(push, |deviation| (push + drawn(deviation)).max(0.0))
         };
-        let agents = people.iter().zip(destinations).enumerate().map(|(i, (person, destination))| {
+        let people = people.iter().zip(&trial.dynamics);
+        let agents = people.zip(destinations).enumerate().map(|(i, ((person, dynamics), destination))| {
             let own = config.agents.get(&person.id).unwrap_or(&nothing);
-            let lead = config.agents.get(&people[leads[i]].id).unwrap_or(&nothing);
+            let lead = config.agents.get(&trial.agents[leads[i]].id).unwrap_or(&nothing);
             let chosen = chosen[i].map(|k| &config.ways.as_ref().expect("one was chosen")[k].waypoints);
             let usual = chosen.or(config.waypoints.as_ref());
             let waypoints = lead.waypoints.as_ref().or(usual).cloned().unwrap_or_default();
@@ -188,11 +150,12 @@ impl Plan {
             if waypoints.is_empty() && destination == Destination::None && !stands {
                 return Err(PlanError::NoWaypoint(person.id.clone()));
             }
+            let disks = || person.disks_facing_x().iter().map(|(at, radius)| [at.x, at.y, *radius]).collect();
             Ok(Planned {
                 id: person.id.clone(),
                 destination,
-                disks: if bodies { person.disks.clone() } else { Vec::new() },
-                pose: person.pose,
+                disks: if bodies { disks() } else { Vec::new() },
+                pose: dynamics.motion().pose,
                 walker: Walker {
                     mass: person.mass,
                     moment_of_inertia: person.moment_of_inertia,
@@ -207,7 +170,7 @@ impl Plan {
                     time_gap: own.time_gap.unwrap_or(walking_model.time_gap()),
                     standstill_gap: own.standstill_gap.unwrap_or(walking_model.standstill_gap()),
                     reaction_time: own.reaction_time.unwrap_or(walking_model.reaction_time()),
-                    stature: person.stature.unwrap_or_else(usual_stature),
+                    stature: person.height.unwrap_or_else(usual_stature),
                     push: own.push.unwrap_or_else(|| push(i)),
                     waypoints,
                 },
@@ -216,12 +179,15 @@ impl Plan {
         let agents = agents.collect::<Result<_, PlanError>>()?;
         // Who sees neither walls nor exits needs no copy of them.
         let seen = bodies || !targets.is_empty() || balance.is_some() || !groups.is_empty();
-        let walls = walls.into_iter().filter(|_| seen);
-        let walls = walls.map(|wall| wall.iter().map(|at| [at.x, at.y]).collect()).collect();
+        let walls = trial.geometry.fixed_walls().filter(|_| seen).map(|wall| wall.corners.clone()).collect();
+        let text = config.to_toml()?;
+        let content = [&trial.fingerprint().to_le_bytes()[..], text.as_bytes()].concat();
         let exit_choice = config.exit_choice.unwrap_or_default();
         let motivation = config.motivation.clone();
         let plan = Plan {
-            time_step,
+            config: config.clone(),
+            fingerprint: fingerprint(&content),
+            time_step: trial.parameters.time_step,
             seed,
             walls,
             doors,
@@ -238,20 +204,18 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Reads TOML.
+    /// Reads a Trial directory with a `decision.toml`, as an FMU contains it.
     ///
     /// # Errors
-    /// Those of [`DecisionConfig::from_toml`], or numbers out of range.
-    pub fn from_toml(text: &str) -> Result<Plan, PlanError> {
-        toml::from_str::<Plan>(text).map_err(|error| PlanError::Toml(error.to_string()))?.checked()
-    }
-
-    /// Returns TOML. Every number is read back as the same double.
-    ///
-    /// # Errors
-    /// The plan cannot be written.
-    pub fn to_toml(&self) -> Result<String, PlanError> {
-        toml::to_string(self).map_err(|error| PlanError::Toml(error.to_string()))
+    /// A sentence with the file: it cannot be read, or what is in it is wrong.
+    pub fn read(directory: &Path) -> Result<Plan, String> {
+        let (trial, _) = Trial::read(directory).map_err(|problems| problems.to_string())?;
+        let path = directory.join(DECISION_FILE);
+        let at = |error: &dyn Display| format!("{}: {error}", path.display());
+        let text = input::read_text(&path, input::LARGEST_SETTINGS).map_err(|error| at(&error))?;
+        DecisionConfig::from_toml(&text)
+            .and_then(|config| Plan::of(&trial, &config))
+            .map_err(|error| at(&error))
     }
 
     /// Returns whether somebody chooses an exit by more than where it is: by the expected time, by what is open, or with
@@ -272,7 +236,7 @@ impl Plan {
     /// Returns whether an exit or a door opens or closes between two times \[s\].
     pub(crate) fn opens_or_closes(&self, before: f64, now: f64) -> bool {
         self.targets.iter().any(|exit| exit.is_open(before) != exit.is_open(now))
-            || self.doors.iter().any(|door| door.is_closed(before) != door.is_closed(now))
+            || self.doors.iter().any(|door| door.is_open(before) != door.is_open(now))
     }
 
     /// Returns whether they leave in the end, of everybody.
@@ -297,11 +261,6 @@ impl Plan {
         ways
     }
 
-    /// Returns the walls as polylines.
-    pub fn polylines(&self) -> Vec<Vec<Vec2>> {
-        self.walls.iter().map(|wall| wall.iter().map(|&[x, y]| vec2(x, y)).collect()).collect()
-    }
-
     /// Returns the ways to exits and goals; `None` if nobody goes to one.
     ///
     /// # Errors
@@ -312,17 +271,17 @@ impl Plan {
         }
         // After way-points, people are elsewhere.
         let places = self.agents.iter().flat_map(|agent| {
-            let own = vec2(agent.pose.x, agent.pose.y);
+            let own = agent.pose.position;
             let further = agent.walker.waypoints.iter().map(|w| vec2(w.x, w.y));
             std::iter::once(own).chain(further).map(|at| (at, agent.destination))
         });
         if !self.chooses() {
-            return Ways::new(&self.polylines(), &self.targets, places).map(Some);
+            return Ways::new(&self.walls, &self.targets, places).map(Some);
         }
         let exits = self.targets.iter().enumerate().filter(|(_, target)| !target.stay);
         let choices =
             exits.map(|(k, exit)| (vec2(exit.corners[0][0], exit.corners[0][1]), Destination::Target(k)));
-        let ways = Ways::new(&self.polylines(), &self.targets, places.chain(choices))?;
+        let ways = Ways::new(&self.walls, &self.targets, places.chain(choices))?;
         let ways = if self.exit_choice == ExitChoice::Time { ways.with_widths()? } else { ways };
         let doors: Vec<Vec<[Vec2; 2]>> = self.doors.iter().map(|door| door.sides().collect()).collect();
         Ok(Some(if doors.is_empty() { ways } else { ways.with_doors(doors)? }))

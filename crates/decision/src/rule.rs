@@ -2,7 +2,7 @@
 //!
 //! It uses `libm` instead of the platform's arctangent, so that the result is the same bits on every machine.
 
-use lemons_core::plane::{InPlane, Vec2};
+use lemons_core::plane::{InPlane, Pose, Vec2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -29,7 +29,7 @@ pub const WAYPOINT_RADIUS: f64 = 0.3;
 
 impl Waypoint {
     fn contains(&self, pose: Pose) -> bool {
-        libm::hypot(self.x - pose.x, self.y - pose.y) <= self.radius
+        libm::hypot(self.x - pose.position.x, self.y - pose.position.y) <= self.radius
     }
 
     /// Whether somebody who has `waited` \[s\] waits longer. A rounding error is not a time.
@@ -46,17 +46,6 @@ fn usual_radius() -> f64 {
 /// \[m\] Stature of somebody of whom it is not known.
 pub(crate) fn usual_stature() -> f64 {
     1.75
-}
-
-/// Position and orientation of a body.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Pose {
-    /// \[m\] x of the centre of mass.
-    pub x: f64,
-    /// \[m\] y of the centre of mass.
-    pub y: f64,
-    /// \[rad\] direction of the gaze, from the x axis.
-    pub theta: f64,
 }
 
 /// Propulsion force and torque of an agent.
@@ -162,13 +151,13 @@ impl Walker {
     /// Returns the propulsion of eq. 4 towards the way-point `next`; zero after the last one.
     pub fn drive(&self, next: usize, pose: Pose) -> Propulsion {
         let Some(waypoint) = self.waypoints.get(next) else { return Propulsion::default() };
-        let (dx, dy) = (waypoint.x - pose.x, waypoint.y - pose.y);
+        let (dx, dy) = (waypoint.x - pose.position.x, waypoint.y - pose.position.y);
         let distance = libm::hypot(dx, dy);
         if distance == 0.0 {
             return Propulsion::default();
         }
         let push = self.mass * self.desired_speed * self.floor_damping;
-        let mismatch = wrapped(pose.theta - libm::atan2(dy, dx));
+        let mismatch = wrapped(pose.orientation - libm::atan2(dy, dx));
         Propulsion {
             force: [push * (dx / distance), push * (dy / distance)],
             torque: -self.moment_of_inertia * mismatch * self.angular_damping * self.angular_damping,
@@ -190,7 +179,8 @@ impl Walker {
     /// further force \[N\], and which turns the body to face a direction.
     pub fn towards(&self, pose: Pose, velocity: Vec2, force: Vec2, facing: Option<Vec2>) -> Propulsion {
         let force = velocity * (self.mass * self.floor_damping) + force;
-        let mismatch = facing.map_or(0.0, |facing| wrapped(pose.theta - libm::atan2(facing.y, facing.x)));
+        let mismatch =
+            facing.map_or(0.0, |facing| wrapped(pose.orientation - libm::atan2(facing.y, facing.x)));
         let torque = -self.moment_of_inertia * mismatch * self.angular_damping * self.angular_damping;
         Propulsion { force: [force.x, force.y], torque }
     }
@@ -253,7 +243,7 @@ mod tests {
         for (theta, mismatch) in
             [(3.0, 3.0 - PI), (-3.0, PI - 3.0), (PI, 0.0), (0.5, 0.5 - PI), (2.0 * PI + 3.0, 3.0 - PI)]
         {
-            let torque = walker.drive(0, Pose { theta, ..Pose::default() }).torque;
+            let torque = walker.drive(0, Pose::new(0.0, 0.0, theta)).torque;
             assert!((torque + 1.5 * 16.0 * mismatch).abs() < 1e-11, "{theta}: {torque}");
         }
     }
@@ -261,7 +251,7 @@ mod tests {
     #[test]
     fn waypoints_are_reached_one_after_the_other_and_some_at_once() {
         let walker = walker(&[(1.0, 0.0, 0.2), (1.1, 0.0, 0.3), (5.0, 0.0, 0.5)]);
-        let at = |x| Pose { x, ..Pose::default() };
+        let at = |x| Pose::new(x, 0.0, 0.0);
         assert_eq!(walker.next(0, 0.0, at(0.0)), 0);
         assert_eq!(walker.next(0, 0.0, at(0.85)), 2, "the second is near as well");
         assert_eq!(walker.next(2, 0.0, at(0.0)), 2, "what was reached stays so");
@@ -273,7 +263,7 @@ mod tests {
     #[test]
     fn on_the_waypoint_there_is_no_direction() {
         let walker = walker(&[(1.0, 2.0, 0.0)]);
-        let there = Pose { x: 1.0, y: 2.0, theta: 0.3 };
+        let there = Pose::new(1.0, 2.0, 0.3);
         assert_eq!(walker.drive(0, there), Propulsion::default());
         assert_eq!(walker.next(0, 0.0, there), 1);
     }

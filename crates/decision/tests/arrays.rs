@@ -1,10 +1,11 @@
 //! The decision as arrays, through the functions of FMI 3.0.
 
-use lemons_decision::decision::PLAN_FILE;
+use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::{Agent, AgentDynamics, Shape, Trial};
 use lemons_decision::pack::description;
 use lemons_decision::plan::Planned;
-use lemons_decision::rule::{Pose, Walker};
-use lemons_decision::{Decision, DecisionConfig, Person, Plan};
+use lemons_decision::rule::Walker;
+use lemons_decision::{DECISION_FILE, Decision, DecisionConfig, Plan};
 use lemons_fmi::Status::{self, Ok as OK};
 use lemons_fmi::testing::bounds;
 use lemons_fmi::testing::dependencies::moved;
@@ -12,6 +13,7 @@ use lemons_fmi::testing::instance::{Arguments, Functions};
 use lemons_fmi::testing::{Instance, Version};
 use lemons_fmi::variables::Known;
 use lemons_fmi::{self as fmi, Format, Model};
+use lemons_testing::trial_push;
 use std::ffi::CString;
 use std::ops::Deref;
 use std::path::Path;
@@ -30,19 +32,22 @@ fn plan() -> Plan {
     )
 }
 
-fn plan_of(wishes: &str) -> Plan {
-    let person = |id: &str, x| Person {
-        id: id.into(),
-        mass: 70.0 + x,
-        stature: None,
-        moment_of_inertia: 1.3,
-        floor_damping: 2.0,
-        angular_damping: 4.0,
-        pose: Pose { x, y: 0.5, theta: 0.25 * x },
-        disks: Vec::new(),
+fn trial() -> Trial {
+    let (mut trial, _) = Trial::read(&trial_push()).unwrap();
+    let shapes = vec![Shape { radius: 0.2, position: Vec2::zeros(), ..trial.agents[0].shapes[0].clone() }];
+    let person = |(id, x): (&str, f64)| {
+        let start = AgentDynamics { position: vec2(x, 0.5), theta: 0.25 * x, ..AgentDynamics::default() };
+        (Agent { shapes: shapes.clone(), ..Agent::new(id, 70.0 + x, 1.3, [2.0, 4.0]) }, start)
     };
-    let people = [person("0", 0.0), person("two words", 1.0), person("7", 2.0)];
-    Plan::among(std::iter::empty(), &people, &DecisionConfig::from_toml(wishes).unwrap(), 0.05).unwrap()
+    (trial.agents, trial.dynamics) =
+        [("0", 0.0), ("two words", 1.0), ("7", 2.0)].map(person).into_iter().unzip();
+    trial.geometry.walls.clear();
+    trial.parameters.time_step = 0.05;
+    trial
+}
+
+fn plan_of(wishes: &str) -> Plan {
+    Plan::of(&trial(), &DecisionConfig::from_toml(wishes).unwrap()).unwrap()
 }
 
 fn reference(name: &str) -> u32 {
@@ -75,7 +80,9 @@ impl Walkers {
 
     fn of(version: Version, token: String) -> Walkers {
         let resources = TempDir::new().unwrap();
-        std::fs::write(resources.path().join(PLAN_FILE), plan().to_toml().unwrap()).unwrap();
+        trial().write(resources.path()).unwrap();
+        let text = plan().config.to_toml().unwrap();
+        std::fs::write(resources.path().join(DECISION_FILE), text).unwrap();
         let token = CString::new(token).unwrap();
         let path = CString::new(version.location(resources.path())).unwrap();
         let functions = Functions::of_model::<Decision>(version);

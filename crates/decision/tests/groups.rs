@@ -1,41 +1,40 @@
 //! Groups, without FMUs: bodies whose velocities relax as eq. 1 says, without contacts.
 
-use lemons_core::plane::{Vec2, vec2};
-use lemons_decision::rule::Pose;
-use lemons_decision::{Decision, DecisionConfig, Person, Plan};
+use lemons_core::plane::{Motion, Vec2, vec2};
+use lemons_core::trial::{Agent, AgentDynamics, Trial, Wall};
+use lemons_decision::plan::Planned;
+use lemons_decision::{Decision, DecisionConfig, Plan, WalkingModelName};
 use lemons_fmi::Model;
 
 const STEP: f64 = 0.02;
-const MODELS: [&str; 4] = ["straight", "collision-free-speed", "social-force", "rotational"];
+fn models() -> impl Iterator<Item = &'static str> {
+    WalkingModelName::ALL.iter().map(|model| model.name())
+}
+
+type Person = (Agent, AgentDynamics);
 
 fn person(id: usize, x: f64, y: f64) -> Person {
-    Person {
-        id: id.to_string(),
-        mass: 80.0,
-        stature: None,
-        moment_of_inertia: 1.5,
-        floor_damping: 4.0,
-        angular_damping: 4.0,
-        pose: Pose { x, y, theta: 0.0 },
-        disks: vec![[0.0, 0.11, 0.12], [0.0, 0.0, 0.12], [0.0, -0.11, 0.12]],
-    }
+    let disks = [[0.0, 0.11, 0.12], [0.0, 0.0, 0.12], [0.0, -0.11, 0.12]];
+    let agent = Agent::new(id.to_string(), 80.0, 1.5, [4.0, 4.0]).with_disks(&disks);
+    (agent, AgentDynamics { position: vec2(x, y), ..AgentDynamics::default() })
 }
 
 const FAR: &str = "exits = [{ line = [[45, -10], [45, 10]] }]\n";
 
 fn plan(walls: &[Vec<Vec2>], people: &[Person], config: &str) -> Plan {
     let config = DecisionConfig::from_toml(config).unwrap();
-    Plan::among(walls.iter().map(|wall| &wall[..]), people, &config, STEP).unwrap()
+    let walls = walls.iter().map(|wall| Wall::new("", "", wall.clone())).collect();
+    Plan::of(&Trial::of(people.to_vec(), walls, STEP), &config).unwrap()
 }
 
 /// Walks for some time \[s\]; the places of everybody at each step. A state is saved and restored on the way.
 fn walk(plan: Plan, seconds: f64) -> Vec<Vec<Vec2>> {
-    let mut poses: Vec<Pose> = plan.agents.iter().map(|agent| agent.pose).collect();
-    let mut velocities = vec![Vec2::zeros(); poses.len()];
+    let of = |agent: &Planned| Motion { pose: agent.pose, ..Motion::default() };
+    let mut motions: Vec<Motion> = plan.agents.iter().map(of).collect();
     let mut decision = Decision::new(plan);
     let mut places = Vec::new();
     for step in 0..(seconds / STEP) as usize {
-        decision.see(poses.iter().copied().zip(velocities.iter().copied()));
+        decision.see(motions.iter().copied());
         let acts = decision.acts().unwrap();
         if step % 50 == 25 {
             let saved = decision.save();
@@ -47,11 +46,11 @@ fn walk(plan: Plan, seconds: f64) -> Vec<Vec<Vec2>> {
         } else {
             decision.pass(STEP).unwrap();
         }
-        for ((pose, velocity), act) in poses.iter_mut().zip(&mut velocities).zip(acts) {
-            *velocity += (Vec2::from(act.drive.force) * (1.0 / 80.0) - *velocity * 4.0) * STEP;
-            (pose.x, pose.y) = (pose.x + velocity.x * STEP, pose.y + velocity.y * STEP);
+        for (Motion { pose, twist }, act) in motions.iter_mut().zip(acts) {
+            twist.velocity += (Vec2::from(act.drive.force) * (1.0 / 80.0) - twist.velocity * 4.0) * STEP;
+            pose.position += twist.velocity * STEP;
         }
-        places.push(poses.iter().map(|pose| vec2(pose.x, pose.y)).collect());
+        places.push(motions.iter().map(|motion| motion.pose.position).collect());
     }
     places
 }
@@ -94,7 +93,7 @@ fn who_would_have_to_turn_the_head_slows_down() {
 
 #[test]
 fn a_group_walks_side_by_side_at_the_speed_of_the_slowest() {
-    for model in MODELS {
+    for model in models() {
         let config = format!(
             "model = {model:?}\n{FAR}groups.members = [[\"0\", \"1\", \"2\"]]\n[agents.0]\ndesired_speed = 0.9\n\
              [agents.1]\ndesired_speed = 1.6"
@@ -116,7 +115,7 @@ fn a_group_walks_side_by_side_at_the_speed_of_the_slowest() {
 
 #[test]
 fn who_is_ahead_waits_and_without_a_group_does_not() {
-    for model in MODELS {
+    for model in models() {
         let apart = |groups: &str| {
             let people = [person(0, 0.0, 0.0), person(1, 8.0, 1.0)];
             let places = walk(plan(&[], &people, &format!("model = {model:?}\n{FAR}{groups}")), 20.0);
@@ -156,7 +155,8 @@ fn a_group_starts_together_and_takes_one_exit() {
     // The last one's start.
     let places = walk(plan(&[], &people, &format!("{exits}{members}agents.1.start = 2.0")), 3.0);
     for who in [0, 1] {
-        let begins = places.iter().position(|at| (at[who].x - people[who].pose.x).abs() > 1e-6).unwrap();
+        let begins =
+            places.iter().position(|at| (at[who].x - people[who].1.position.x).abs() > 1e-6).unwrap();
         assert!((begins as f64 * STEP - 2.0).abs() < 2.0 * STEP, "{who}: {begins}");
     }
     // By shares, and by the expected time.
@@ -183,7 +183,7 @@ fn groups_are_drawn_from_those_who_are_near() {
         let error = 4.0 * (share * (1.0 - share) / all).sqrt();
         assert!((count(size) / all - share).abs() < error, "{size}: {} of {all}", count(size));
     }
-    let at = |i: usize| vec2(people[i].pose.x, people[i].pose.y);
+    let at = |i: usize| people[i].1.position;
     assert!(groups.iter().all(|group| group.iter().all(|&i| (at(i) - at(group[0])).norm() <= 3.0)));
     let mut members: Vec<usize> = groups.iter().flatten().copied().collect();
     members.sort_unstable();
@@ -205,29 +205,25 @@ fn groups_are_drawn_from_those_who_are_near() {
     }
 }
 
-/// A plan is what the FMU gets: it must say the same after it was written.
 #[test]
-fn groups_times_and_preferences_read_back() {
+fn wrong_groups_times_and_preferences_are_named() {
     let people = [person(0, 0.0, 0.0), person(1, 1.0, 0.0)];
     let config = "exit_choice = \"time\"\ngroups.members = [[\"0\", \"1\"]]\n\
                   exits = [{ line = [[5, 0], [5, 4]], open = [[0.1, 7], [8, 9.5]], time_factor = 0.7 }]";
-    let plan = plan(&[], &people, config);
-    let text = plan.to_toml().unwrap();
     let many: Vec<[usize; 2]> = (0..1001).map(|k| [2 * k, 2 * k + 1]).collect();
-    let many = text.replace("[[0.1, 7.0], [8.0, 9.5]]", &format!("{many:?}"));
-    let said = Plan::from_toml(&many).unwrap_err().to_string();
-    assert!(said.contains("1001 pairs; at most 1000"), "{said}");
-    assert_eq!(Plan::from_toml(&text).unwrap(), plan);
     for (good, bad, words) in [
-        ("groups = [[0, 1]]", "groups = [[0, 2]]", "not there"),
-        ("groups = [[0, 1]]", "groups = [[1, 1]]", "two groups"),
-        ("groups = [[0, 1]]", "groups = [[0]]", "has 1 members"),
-        ("[0.1, 7.0]", "[0.1, 8.5]", "above the one before"),
-        ("[0.1, 7.0]", "[0.1, 0.11]", "shorter than the time step of 0.02 s"),
+        ("[[0.1, 7], [8, 9.5]]", &*format!("{many:?}"), "1001 pairs; at most 1000"),
+        ("[\"0\", \"1\"]", "[\"0\", \"2\"]", "there is no agent with this Id"),
+        ("[\"0\", \"1\"]", "[\"1\", \"1\"]", "is in a group already"),
+        ("[\"0\", \"1\"]", "[\"0\"]", "has 1 members"),
+        ("[0.1, 7]", "[0.1, 8.5]", "above the one before"),
+        ("[0.1, 7]", "[0.1, 0.11]", "shorter than the time step of 0.02 s"),
         ("time_factor = 0.7", "time_factor = -1.0", "positive"),
     ] {
-        assert!(text.contains(good), "{text}");
-        let said = Plan::from_toml(&text.replace(good, bad)).unwrap_err().to_string();
+        assert!(config.contains(good), "{config}");
+        let made = DecisionConfig::from_toml(&config.replace(good, bad));
+        let trial = Trial::of(people.clone(), Vec::new(), STEP);
+        let said = made.and_then(|config| Plan::of(&trial, &config)).unwrap_err().to_string();
         assert!(said.contains(words), "{said}");
     }
 }

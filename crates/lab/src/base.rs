@@ -1,11 +1,12 @@
 //! Where a Trial comes from, what is known of its people, and what drives them.
 
 use crate::edit::{self, Edit};
-use crate::{Refused, crowd, upload};
+use crate::{Refused, Shown, crowd, upload};
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::{DecisionConfig, Plan};
 use lemons_people::Agent;
 use lemons_people::placing::Watch;
+use lemons_scenario::Scenario;
 use lemons_sim::Documents;
 use serde::Deserialize;
 
@@ -18,7 +19,7 @@ pub enum Base {
     /// It comes with the lab: one of [`upload::EXAMPLES`].
     Example { name: String },
     /// It is made.
-    Crowd(Box<crowd::CrowdRequest>),
+    Crowd(#[cfg_attr(feature = "typescript", ts(type = "Partial<Scenario>"))] Box<Scenario>),
     /// It is the user's: the name of the zip or the folder, path and length of each file (one zip, or those of a folder).
     Upload { name: String, files: Vec<(String, usize)> },
 }
@@ -64,55 +65,45 @@ impl Driven {
         Documents { trial, drive: table, plan }
     }
 
-    /// Reads its texts.
+    /// Takes settings of Decision.
     ///
     /// # Errors
-    /// One has errors, or does not fit to the Trial.
-    pub fn read(self) -> Result<Driven, Refused> {
-        let config =
-            (!self.wishes.is_empty()).then(|| DecisionConfig::from_toml(&self.wishes)).transpose()?;
-        let wishes = self.wishes.clone();
-        Ok(Driven { wishes, ..self.decided(config)? })
-    }
-
-    /// Takes settings of Decision, and reads the text of the drive.
-    ///
-    /// # Errors
-    /// They do not fit to the Trial, or the drive has errors.
+    /// They do not fit to the Trial.
     pub fn decided(self, config: Option<DecisionConfig>) -> Result<Driven, Refused> {
-        let table = match self.drive.as_str() {
-            "" => DriveTable::default(),
-            text => DriveTable::from_csv(text.as_bytes())?,
-        };
         let plan = config.as_ref().map(|config| Plan::of(&self.trial, config)).transpose()?;
         let wishes = config.as_ref().map(DecisionConfig::to_toml).transpose()?.unwrap_or_default();
-        Ok(Driven { table, plan, wishes, ..self })
+        Ok(Driven { plan, wishes, ..self })
+    }
+
+    /// Takes a drive.
+    pub fn push(&mut self, table: DriveTable) {
+        (self.drive, self.table) = (table.text_for(&self.trial), table);
+    }
+}
+
+/// Makes the Trial of a scene before edits, or reads it.
+///
+/// # Errors
+/// It is impossible or has errors, or `watch` stopped the placing.
+pub fn basis(shown: &Shown, bytes: &[u8], watch: &mut Watch) -> Result<Basis, Refused> {
+    match &shown.base {
+        Base::Example { name } => upload::example(name),
+        Base::Crowd(scenario) => crowd::crowd(scenario, &split(&shown.tables, bytes)?, watch),
+        Base::Upload { name, files } => {
+            let files = split(files, bytes)?;
+            match upload::scenario(name, &files)? {
+                Some((path, files)) => crowd::of_file(&path, &files, watch),
+                None => upload::open(name, &files, upload::LARGEST_CONTENT),
+            }
+        }
     }
 }
 
 impl Base {
-    /// Makes the Trial, or reads it.
-    ///
-    /// # Errors
-    /// It is impossible or has errors, or `watch` stopped the placing.
-    pub fn basis(&self, bytes: &[u8], watch: &mut Watch) -> Result<Basis, Refused> {
-        match self {
-            Base::Example { name } => upload::example(name),
-            Base::Crowd(wanted) => crowd::crowd(wanted, bytes, watch),
-            Base::Upload { name, files } => {
-                let files = split(files, bytes)?;
-                match upload::scenario(name, &files)? {
-                    Some((path, files)) => crowd::of_file(&path, &files, watch),
-                    None => upload::open(name, &files, upload::LARGEST_CONTENT),
-                }
-            }
-        }
-    }
-
     /// Lines \[m\] beyond the doors of a crowd's room, or of walls that were changed, for the people who are there.
     pub fn beyond_doors(&self, edits: &[Edit], trial: &Trial) -> Vec<[[f64; 2]; 2]> {
         let room = match self {
-            Base::Crowd(wanted) => Some(&wanted.room),
+            Base::Crowd(scenario) => scenario.room.as_ref(),
             _ => edit::room_of(edits),
         };
         room.map_or_else(Vec::new, |room| room.exits(trial.dynamics.iter().map(|here| here.position)))

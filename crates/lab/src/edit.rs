@@ -135,7 +135,7 @@ fn change(driven: &mut Driven, edit: &Edit, base: &Base) -> Result<(), Refused> 
         }
         Edit::Put { id, person, x, y, theta } => {
             let (person, here) = (person.person()?, pose(*x, *y, *theta)?);
-            let round = matches!(base, Base::Crowd(wanted) if wanted.round);
+            let round = matches!(base, Base::Crowd(scenario) if scenario.round);
             let (agent, drive) = measured(&driven.trial, &person, round)?;
             put(driven, id, agent, Some(lemons_people::Agent::Pedestrian(person)), drive, here)?;
         }

@@ -92,6 +92,10 @@ pub enum Request {
 pub struct Shown {
     /// Where it comes from. The bytes are its files.
     pub base: Base,
+    /// Path and length of each table of a crowd.
+    #[serde(default)]
+    #[cfg_attr(feature = "typescript", ts(optional, as = "Option<Vec<(String, usize)>>"))]
+    pub tables: Vec<(String, usize)>,
     /// Changes by hand, in order.
     #[serde(default)]
     pub edits: Vec<edit::Edit>,
@@ -208,11 +212,11 @@ impl Lab {
 
     fn show(&mut self, shown: &Shown, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
         let mut digest = DefaultHasher::new();
-        bytes.hash(&mut digest);
+        (&shown.tables, bytes).hash(&mut digest);
         let digest = digest.finish();
         let (base, basis) = match self.basis.take() {
             Some((base, files, basis)) if (&base, files) == (&shown.base, digest) => (base, basis),
-            _ => (shown.base.clone(), shown.base.basis(bytes, watch)?),
+            _ => (shown.base.clone(), base::basis(shown, bytes, watch)?),
         };
         let (base, _, basis) = &*self.basis.insert((base, digest, basis));
         let before = basis.driven.clone();

@@ -6,7 +6,7 @@ use crate::{Refused, require, within};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;
 use lemons_decision::rule::Waypoint;
-use lemons_decision::{BalanceName, DecisionConfig, Person, plan};
+use lemons_decision::{BalanceName, DecisionConfig, plan};
 use lemons_scenario::Push;
 use serde::Deserialize;
 
@@ -58,12 +58,21 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
     }
     let config = match motion {
         Motion::Own {} => {
-            forget_deleted(&mut driven)?;
-            return driven.read();
+            // The files of a Trial must not name people who are not there any more.
+            if driven.table.check_agents(Some(&driven.trial)).is_err() {
+                driven.push(driven.table.of_those(&driven.trial));
+            }
+            let text = driven.wishes.clone();
+            let config = (!text.is_empty()).then(|| DecisionConfig::from_toml(&text)).transpose()?;
+            let fewer = config.as_ref().and_then(|config| config.without_others(&driven.trial.agents));
+            if fewer.is_none() {
+                return Ok(Driven { wishes: text, ..driven.decided(config)? });
+            }
+            fewer
         }
         Motion::None {} => None,
         Motion::Push { pushes, balance } => {
-            driven.drive = lemons_scenario::drive(&driven.trial, pushes)?;
+            driven.push(lemons_scenario::drive(&driven.trial, pushes)?);
             (*balance != BalanceName::None).then(|| DecisionConfig::standing(*balance))
         }
         Motion::Walk { speed, ways, shares, seed } => {
@@ -76,20 +85,6 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
         }
     };
     driven.decided(config)
-}
-
-/// The files of a Trial must not name people who are not there any more.
-fn forget_deleted(driven: &mut Driven) -> Result<(), Refused> {
-    if driven.table.check_agents(Some(&driven.trial)).is_err() {
-        driven.drive = driven.table.text_for(&driven.trial);
-    }
-    if !driven.wishes.is_empty() {
-        let wishes = DecisionConfig::from_toml(&driven.wishes)?;
-        if let Some(fewer) = wishes.without_others(&Person::all_of(&driven.trial)) {
-            driven.wishes = fewer.to_toml()?;
-        }
-    }
-    Ok(())
 }
 
 /// As [`lemons_scenario::own_speeds`], if people are known.
@@ -118,6 +113,6 @@ fn wishes(
             seed,
         ));
     }
-    let wishes = DecisionConfig::nearest_of(&Person::all_of(trial), speed, ways);
+    let wishes = DecisionConfig::nearest_of(trial, speed, ways);
     wishes.ok_or_else(|| Refused("nobody can walk: there is no way".into()))
 }

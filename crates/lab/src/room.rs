@@ -1,18 +1,17 @@
 //! Rooms: an outline, obstacles, further walls, doors. While they are drawn, when they are made, in place of a Trial's
 //! walls, and from a file.
 
-use crate::{Refused, Reply, require, within};
+use crate::{Refused, Reply, crowd, require, within};
 use crowd_mechanics::setup::Setup;
 use lemons_core::files::source::Memory;
 use lemons_core::plane::{Bounds, Ring, Vec2};
 use lemons_core::trial::{Contact, FARTHEST, Geometry, Trial};
 use lemons_people::drawing::{
-    Drawing, Enclosing, Format, Gap, LARGEST_DRAWING, Layer, Leads, Place, Plan, PlanSettings, Proposal,
-    Read, Reading, sizes,
+    Drawing, Format, Gap, LARGEST_DRAWING, Layer, Leads, Place, Plan, PlanSettings, Proposal, Read, sizes,
 };
 use lemons_people::room::{Edit, Room};
 use lemons_people::{Door, PeopleError, is_closed, nearest_wall};
-use lemons_scenario::WALLS;
+use lemons_scenario::{DrawingForm, RegionForm, Scenario, WALLS};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -102,30 +101,23 @@ fn points(of: &[Vec2]) -> Vec<[f64; 2]> {
     of.iter().map(|point| [point.x, point.y]).collect()
 }
 
-fn check<'a>(corners: impl IntoIterator<Item = &'a Vec2>, reach: f64) -> Result<(), Refused> {
-    corners.into_iter().try_for_each(|corner| {
+/// Checks how many corners a room has, and how far they and others are.
+fn check(room: &Room, others: Vec<Vec2>, reach: f64) -> Result<(), Refused> {
+    let count = room.every_corner().count();
+    require(count <= MOST_CORNERS, || format!("{count} corners: at most {MOST_CORNERS} are allowed"))?;
+    room.every_corner().chain(&others).try_for_each(|corner| {
         within("x of a corner [m]", corner.x, [-reach, reach])?;
-        within("y of a corner [m]", corner.y, [-reach, reach]).map(|_| ())
+        within("y of a corner [m]", corner.y, [-reach, reach]).map(drop)
     })
 }
 
-/// Checks how many corners a room has, and how far they are.
-fn check_room(room: &Room, reach: f64) -> Result<(), Refused> {
-    let further = || room.walls.iter().flat_map(|wall| &wall.corners);
-    let corners = || room.outline.iter().chain(room.obstacles.iter().flatten()).chain(further());
-    let count = corners().count();
-    require(count <= MOST_CORNERS, || format!("{count} corners: at most {MOST_CORNERS} are allowed"))?;
-    check(corners(), reach)
-}
-
-/// Checks a room that is drawn, and the corners of the region where people are placed.
+/// Checks a room that is drawn, and the corners of the regions where people are placed.
 ///
 /// # Errors
 /// There are too many corners, or one is too far.
-pub fn check_drawn(room: &Room, region: Option<&[[f64; 2]]>) -> Result<(), Refused> {
-    check_room(room, REACH)?;
-    let corners: Vec<Vec2> = region.into_iter().flatten().copied().map(Vec2::from).collect();
-    check(&corners, REACH)
+pub fn check_drawn(Scenario { room, regions, .. }: &Scenario) -> Result<(), Refused> {
+    let regions = || regions.iter().flat_map(RegionForm::corners).collect();
+    room.as_ref().map_or(Ok(()), |room| check(room, regions(), REACH))
 }
 
 /// Returns the walls that a room has in place of a Trial's. New ones are of the material of its first wall, else of one that
@@ -134,7 +126,7 @@ pub fn check_drawn(room: &Room, region: Option<&[[f64; 2]]>) -> Result<(), Refus
 /// # Errors
 /// There are too many corners, a wall is none that a Trial may have, a door is not at a wall, or there is no material.
 pub fn replacing(room: &Room, trial: &Trial) -> Result<Geometry, Refused> {
-    check_room(room, FARTHEST)?;
+    check(room, Vec::new(), FARTHEST)?;
     let of_people: BTreeSet<&str> =
         trial.agents.iter().flat_map(|agent| &agent.shapes).map(|disk| &*disk.material_id).collect();
     let touches = |one: &str, other: &str| {
@@ -229,21 +221,12 @@ pub(crate) struct GapFound {
 /// A drawing, or a Geometry.xml, and how it is understood.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-#[serde(deny_unknown_fields)]
 pub struct DrawingRequest {
     /// The file's name, which says the format.
     pub name: String,
-    /// \[m\] Length of a unit of the drawing; `None`: as the file says.
-    pub unit: Option<f64>,
-    /// \[m\] Ends of lines that are at most so far apart are joined.
-    pub close: Option<f64>,
-    /// Whether the lower left corner of all walls goes to the origin.
-    pub origin: bool,
-    /// The layers that are walls, where none is named as a walkable area; empty: all.
-    pub walls: Vec<String>,
-    /// Whether the room is what walls enclose, as a proposal says.
-    #[serde(default)]
-    pub enclosing: Option<Enclosing>,
+    /// Reading of a drawing.
+    #[serde(flatten)]
+    pub drawing: DrawingForm,
     /// Further doors: exits on the nearest closed walls.
     #[serde(default)]
     pub doors: Vec<Door>,
@@ -259,28 +242,25 @@ const MOST_DOORS: usize = 100;
 /// The file has errors, does not say its unit, is no drawing, a door is not at a wall, or none of its walls is closed and
 /// there is nothing to propose.
 pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
-    let DrawingRequest { name, unit, close, origin, walls, enclosing, doors } = wanted;
+    let DrawingRequest { name, drawing: form, doors } = wanted;
     let wrong = |why: String| Refused(format!("{name}: {why}"));
     require(doors.len() <= MOST_DOORS, || {
         format!("{name}: {} doors: at most {MOST_DOORS} are allowed", doors.len())
     })?;
     let (mut doubt, mut proposal) = (None, None);
     let (mut plan, said, layers) = if let Some(format) = Format::of(Path::new(name)) {
-        within("length of a unit [m]", unit.unwrap_or(1.0), [1e-6, 1e6])?;
-        within("width of a gap [m]", close.unwrap_or(1.0), [1e-6, 100.0])?;
-        within("width of a gap [m]", enclosing.as_ref().map_or(1.0, |how| how.widest), [1e-6, 100.0])?;
+        form.check().map_err(crowd::told)?;
         require(bytes.len() as u64 <= LARGEST_DRAWING, || {
             format!("{name}: more than {} MB", LARGEST_DRAWING / 1_000_000)
         })?;
-        let reading = Reading { unit: *unit, ..Reading::default() };
-        let (to_origin, enclosing) = (*origin, enclosing.clone());
-        let settings = PlanSettings { close: *close, to_origin, walls: walls.clone(), enclosing };
+        let (reading, settings) = (form.reading(), form.settings());
         let read = Read::of(format, bytes, &reading, &settings).map_err(|error| wrong(explained(error)))?;
-        if read.doubt.is_some() || read.plan.outline.is_none() || wanted.enclosing.is_some() {
+        if read.doubt.is_some() || read.plan.outline.is_none() || form.enclosed {
             let drawing = Drawing::read(format, bytes, &reading)?;
+            let PlanSettings { close, walls, enclosing, .. } = settings;
             // Only a hint: a drawing with too many lines has none.
-            let found = Proposal::of(&drawing, walls, *close, wanted.enclosing.as_ref()).ok().flatten();
-            proposal = found.map(|found| if to_origin { found.at_origin() } else { found });
+            let found = Proposal::of(&drawing, &walls, close, enclosing.as_ref()).ok().flatten();
+            proposal = found.map(|found| if form.origin { found.at_origin() } else { found });
         }
         doubt.clone_from(&read.doubt);
         let said = read.said(name).into_iter().map(|(what, how)| (what.to_owned(), how)).collect();

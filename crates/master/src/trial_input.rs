@@ -10,7 +10,6 @@ use crowd_mechanics::setup;
 use lemons_core::files::source::Disk;
 use lemons_core::files::{Scratch, input};
 use lemons_core::trial::{DriveChoice, DriveTable, Problem, Problems, Trial};
-use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
 use lemons_sim::Documents;
 use lemons_sim::lint::{self, Files};
@@ -233,6 +232,5 @@ pub fn plan_of(trial: &Trial, path: &Path) -> Result<Plan> {
 
 /// The plan in a Decision FMU of ours; `None` of other FMUs.
 pub fn plan_in(fmu: &Fmu) -> Option<Plan> {
-    let path = fmu.directory().join("resources").join(PLAN_FILE);
-    Plan::from_toml(&input::read_text(&path, input::LARGEST_SETTINGS).ok()?).ok()
+    Plan::read(&fmu.directory().join("resources")).ok()
 }

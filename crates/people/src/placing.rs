@@ -84,10 +84,12 @@ pub struct Settings {
 }
 
 /// An algorithm that places shapes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
     /// [`dense()`]
+    #[default]
     Dense,
     /// [`paper()`]
     Paper,

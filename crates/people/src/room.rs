@@ -192,13 +192,10 @@ impl Room {
         lines.map(|line| line.map(Into::into)).collect()
     }
 
-    /// Returns its inside, and its walls with doors, of a material.
-    ///
-    /// # Errors
-    /// Walls cross, an obstacle is not inside, or a door is not at a wall. Further walls may cross.
-    pub fn built(&self, material: &str) -> Result<(Region, Geometry)> {
-        let (whole, geometry) = self.uncut(material)?;
-        Ok((whole, self.with_doors(geometry)?))
+    /// Returns the corners \[m\] of all its lines.
+    pub fn every_corner(&self) -> impl Iterator<Item = &Vec2> {
+        let further = self.walls.iter().map(|wall| &wall.corners);
+        std::iter::once(&self.outline).chain(&self.obstacles).chain(further).flatten()
     }
 
     /// Returns its inside, and its walls without doors, of a material.
@@ -448,16 +445,16 @@ mod tests {
     #[test]
     fn people_stand_on_both_sides_of_an_open_wall_and_not_across_it() {
         let mut room = Room { doors: Vec::new(), obstacles: Vec::new(), ..room() };
-        let (whole, _) = room.built("concrete").unwrap();
+        let (whole, _) = room.uncut("concrete").unwrap();
         room.walls.push(Further { corners: corners([[2.0, 0.0], [2.0, 2.0]]), of: None });
         room.doors.push(Door::new(vec2(2.0, 1.0), 0.5));
-        let (parted, geometry) = room.built("concrete").unwrap();
+        let (parted, uncut) = room.uncut("concrete").unwrap();
+        let geometry = room.with_doors(uncut.clone()).unwrap();
         assert_eq!((whole.area(), parted.area()), (12.0, 12.0));
         assert_eq!((whole.depth(vec2(1.9, 1.5)), parted.depth(vec2(1.5, 1.5))), (1.5, 0.5));
         // The outline, and the wall in two pieces.
         assert_eq!(geometry.walls.len(), 3);
         let left = corners([[0.0, 0.0], [2.5, 0.0], [2.5, 3.0], [0.0, 3.0]]);
-        let (_, uncut) = room.uncut("concrete").unwrap();
         let part = Region::free_space(&left, &uncut, &[]).unwrap().region;
         assert_eq!((part.area(), part.depth(vec2(1.5, 1.5))), (7.5, 0.5));
     }

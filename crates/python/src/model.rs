@@ -6,7 +6,7 @@ use crowd_mechanics::setup;
 use lemons_core::files::input;
 use lemons_core::files::source::Memory;
 use lemons_core::trial::{DriveChoice, DriveTable, FileNames, Shape, Trial};
-use lemons_decision::Plan;
+use lemons_decision::{DecisionConfig, Plan};
 use lemons_master::{PlanChoice, documents_of, whole};
 use lemons_sim::Documents;
 use lemons_sim::lint::{self, Files};
@@ -67,7 +67,8 @@ impl Model {
         let read = setup::read_from(&memory, &directory, &FileNames::default());
         let trial = Trial { name, ..read.map_err(|problems| wrong(&problems))?.0 };
         let drive = DriveTable::from_csv(drive.as_bytes()).map_err(|error| wrong(&error))?;
-        let made = toml.map(|text| Plan::from_toml(&text)).transpose().map_err(|error| wrong(&error))?;
+        let made = toml.map(|text| Plan::of(&trial, &DecisionConfig::from_toml(&text)?)).transpose();
+        let made = made.map_err(|error| wrong(&error))?;
         Ok(Model { documents: Documents { trial, drive, plan: made }, plan, warnings })
     }
 
@@ -80,7 +81,7 @@ impl Model {
                 rows += &format!("{time:?},\"{id}\",{x:?},{y:?},{torque:?}\n");
             }
         }
-        let toml = plan.as_ref().map(Plan::to_toml).transpose();
+        let toml = plan.as_ref().map(|plan| plan.config.to_toml()).transpose();
         let toml = toml.map_err(|error| PyValueError::new_err(short(error)))?;
         let texts = trial.texts(&trial.directory);
         let texts = (trial.name.clone(), trial.directory.clone(), texts, rows, toml);
@@ -104,6 +105,12 @@ impl Model {
     #[getter]
     fn step(&self) -> f64 {
         self.documents.trial.parameters.time_step
+    }
+
+    /// What the plan says of everybody, as text that is equal for equal plans: for tests.
+    fn planned(&self) -> Option<String> {
+        let plan = Plan { config: DecisionConfig::default(), fingerprint: 0, ..self.documents.plan.clone()? };
+        Some(format!("{plan:?}"))
     }
 
     /// The Trial's drive.csv.

@@ -5,6 +5,7 @@
 //! Frames are given one after the other, in the order of time; nothing here keeps them. docs/measure.md defines each
 //! number. SI units.
 
+mod across;
 mod balance;
 mod by_place;
 mod crossing;
@@ -19,6 +20,7 @@ mod quantile;
 mod summary;
 mod voronoi;
 
+pub use across::Across;
 pub use balance::{Balance, Kept};
 pub use by_place::SqueezeMap;
 pub use crossing::{Line, Way};
@@ -33,7 +35,7 @@ pub use quantile::quantile;
 pub use summary::{Crossings, MeanMax};
 pub use voronoi::Room;
 
-use crate::{Frame, OfStep};
+use crate::Frame;
 use lemons_core::plane::{InPlane, Motion};
 use serde::Deserialize;
 
@@ -49,13 +51,6 @@ pub fn within(time: f64, from: Option<f64>, until: Option<f64>) -> bool {
 pub fn present(frame: &Frame, agent: usize) -> Option<&Motion> {
     let motion = frame.agents.get(agent).filter(|_| frame.is_there(agent));
     motion.filter(|motion| motion.pose.position.is_finite())
-}
-
-/// Returns mean and peak squeeze \[N\] of a person over the communication step that ends at a frame; `None` as
-/// [`present`], or if the frame does not say.
-pub fn squeeze(frame: &Frame, agent: usize) -> Option<(f64, f64)> {
-    let step = step(frame, agent)?;
-    Some((step.mean_normal_force, step.peak_normal_force))
 }
 
 /// What presses a person.
@@ -78,17 +73,15 @@ impl By {
     }
 }
 
-/// Returns the part of the mean of [`squeeze`] by people or by walls, and again in the place of the peak, which is not
-/// split.
-pub fn squeeze_by(frame: &Frame, agent: usize, by: By) -> Option<(f64, f64)> {
-    let step = step(frame, agent)?;
+/// Returns mean and peak squeeze \[N\] of a person over the communication step that ends at a frame; `None` as
+/// [`present`], or if the frame does not say. With `by`, it is the part of the mean by people or by walls, and again in the
+/// place of the peak, which is not split.
+pub fn squeeze(frame: &Frame, agent: usize, by: Option<By>) -> Option<(f64, f64)> {
+    present(frame, agent)?;
+    let step = frame.observed.as_ref()?.get(agent)?.of_step?;
+    let Some(by) = by else { return Some((step.mean_normal_force, step.peak_normal_force)) };
     let walls = step.mean_wall_force?;
     // A table of rounded numbers may have a little less in all than by walls.
     let part = if by == By::Walls { walls } else { (step.mean_normal_force - walls).max(0.0) };
     Some((part, part))
-}
-
-fn step(frame: &Frame, agent: usize) -> Option<OfStep> {
-    present(frame, agent)?;
-    frame.observed.as_ref()?.get(agent)?.of_step
 }

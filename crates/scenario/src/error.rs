@@ -1,8 +1,9 @@
 //! Errors of scenarios.
 
 use lemons_people::PeopleError;
+use std::fmt::Display;
 
-/// An error. In its text, keys of the scenario are between backticks.
+/// An error. In its text, keys of the scenario are between backticks: see [`named`].
 #[derive(Debug, thiserror::Error)]
 pub enum ScenarioError {
     /// Keys that do not fit together, or one that is missing.
@@ -15,24 +16,14 @@ pub enum ScenarioError {
     #[error("{0}")]
     Toml(String),
     /// More people than fit.
-    #[error(
-        "{number} people do not fit on {area:.2} m² without overlap; about {about} of them do, {clear:.1} per m²"
-    )]
+    #[error("{place}: {what}{hint}")]
     NoRoom {
-        /// How many.
-        number: usize,
         /// Ground and packing.
         place: String,
-        /// \[m²\] Area of the ground.
-        area: f64,
-        /// How many do fit.
-        about: usize,
-        /// \[1/m²\] Their density.
-        clear: f64,
-        /// \[m\] Largest overlap of the others, if all were tried.
-        overlap: Option<f64>,
-        /// Whether `dense` reaches more.
-        better: bool,
+        /// How many are wanted, and how many fit.
+        what: String,
+        /// What to do about it.
+        hint: String,
     },
     /// The placing was stopped.
     #[error("the placing was stopped")]
@@ -53,57 +44,17 @@ pub enum ScenarioError {
 /// A result of this crate.
 pub type Result<T, E = ScenarioError> = std::result::Result<T, E>;
 
-/// Keys that stand between backticks in messages.
-const KEYS: [&str; 36] = [
-    "allow_overlap",
-    "balance",
-    "box",
-    "decision",
-    "density",
-    "desired_speed",
-    "direction",
-    "doors",
-    "drawing",
-    "drawing.close",
-    "drawing.deviation",
-    "drawing.unit",
-    "drawing.widest",
-    "exits",
-    "friction",
-    "geometry",
-    "groups",
-    "leave",
-    "material",
-    "men",
-    "mix",
-    "model",
-    "number",
-    "packing",
-    "pedestrians",
-    "people",
-    "people.file",
-    "push",
-    "pushes",
-    "regions",
-    "room",
-    "round",
-    "seed",
-    "speed",
-    "start",
-    "time_step",
-];
-
-/// Returns a text with other names of the keys that are between backticks in it.
-pub fn named(text: &str, name: impl Fn(&str) -> String) -> String {
-    KEYS.iter().fold(text.to_owned(), |text, key| match format!("`{key}`") {
-        quoted if text.contains(&quoted) => text.replace(&quoted, &name(key)),
-        _ => text,
+/// Returns a text with another name of each key between backticks that has one.
+pub fn named(text: &str, name: impl Fn(&str) -> Option<String>) -> String {
+    text.split('`').fold(text.to_owned(), |text, key| match name(key) {
+        Some(name) => text.replace(&format!("`{key}`"), &name),
+        None => text,
     })
 }
 
 /// Makes an error of a message.
-pub(crate) fn impossible(message: impl Into<String>) -> ScenarioError {
-    ScenarioError::Impossible(message.into())
+pub(crate) fn impossible(message: impl ToString) -> ScenarioError {
+    ScenarioError::Impossible(message.to_string())
 }
 
 /// Checks a condition; `message` says what is wrong if it does not hold.
@@ -111,20 +62,30 @@ pub(crate) fn require(holds: bool, message: impl FnOnce() -> String) -> Result<(
     if holds { Ok(()) } else { Err(ScenarioError::Impossible(message())) }
 }
 
+/// Checks that keys fit together.
+pub(crate) fn fits(holds: bool, message: impl FnOnce() -> String) -> Result<()> {
+    if holds { Ok(()) } else { Err(ScenarioError::Misused(message())) }
+}
+
+/// Checks that a number is in its range.
+pub(crate) fn within(what: impl Display, value: f64, [low, high]: [f64; 2]) -> Result<()> {
+    require((low..=high).contains(&value), || format!("{what} = {value}: must be from {low} to {high}"))
+}
+
 /// Says what an error is of.
 pub(crate) trait Of<T> {
     /// The text of `of` comes before the error's own.
-    fn of(self, of: impl FnOnce() -> String) -> Result<T>;
+    fn of(self, of: impl Display) -> Result<T>;
 }
 
 impl<T> Of<T> for Result<T, PeopleError> {
-    fn of(self, of: impl FnOnce() -> String) -> Result<T> {
-        self.map_err(|error| ScenarioError::People { of: of(), error })
+    fn of(self, of: impl Display) -> Result<T> {
+        self.map_err(|error| ScenarioError::People { of: of.to_string(), error })
     }
 }
 
 impl From<PeopleError> for ScenarioError {
     fn from(error: PeopleError) -> ScenarioError {
-        ScenarioError::Impossible(error.to_string())
+        impossible(error)
     }
 }

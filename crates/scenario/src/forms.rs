@@ -1,9 +1,8 @@
 //! Values of a scenario's keys that are checked while they are read.
 
-use crate::MOST_PEOPLE;
-use crate::error::{Result, require};
-use crate::within;
-use lemons_core::plane::{Vec2, vec2};
+use crate::error::{Result, impossible, require, within};
+use crate::range;
+use lemons_core::plane::Vec2;
 use lemons_core::trial::{FARTHEST, OpeningTimes};
 use lemons_people::Door;
 use lemons_people::drawing::{DEVIATION, Enclosing, PlanSettings, Reading, WIDEST_DOOR};
@@ -12,6 +11,7 @@ use std::collections::BTreeMap;
 
 /// Two numbers. An array of TOML that is too long would be cut otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(as = "[f64; 2]"))]
 #[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
 pub struct Pair(pub [f64; 2]);
 
@@ -39,10 +39,7 @@ impl TryFrom<Vec<f64>> for DoorForm {
     type Error = String;
 
     fn try_from(numbers: Vec<f64>) -> Result<DoorForm, String> {
-        Door::of_numbers(&numbers).map(DoorForm).ok_or_else(|| {
-            let rule = OpeningTimes::RULE;
-            format!("{numbers:?}: must be x, y and a width, in m; then, if it opens and closes, {rule}")
-        })
+        DoorForm::of(&numbers).ok_or_else(|| format!("{numbers:?}: {}", DoorForm::rule()))
     }
 }
 
@@ -54,18 +51,31 @@ impl From<DoorForm> for Vec<f64> {
 }
 
 impl DoorForm {
+    /// Makes a door of its numbers, if they follow the [`rule`](DoorForm::rule).
+    pub fn of(numbers: &[f64]) -> Option<DoorForm> {
+        let door = Door::of_numbers(numbers)?;
+        let near = [door.at.x, door.at.y].iter().all(|x| x.abs() <= FARTHEST);
+        (near && (0.1..=1e3).contains(&door.width)).then_some(DoorForm(door))
+    }
+
+    /// Returns what the numbers must be.
+    pub fn rule() -> String {
+        let times = OpeningTimes::RULE;
+        format!(
+            "must be x, y and a width in m, as in 8,3,1; the width is from 0.1 to 1000, x and y are from -1e9 to 1e9; \
+             then, if it opens and closes, {times}, as in 8,3,1,20,60; the last time may be left out"
+        )
+    }
+
     pub(crate) fn check(&self) -> Result<()> {
-        let Door { at, width, .. } = self.0;
-        let good = [at.x, at.y].iter().all(|x| x.abs() <= FARTHEST) && (0.1..=1e3).contains(&width);
-        let numbers: Vec<f64> = self.clone().into();
-        require(good, || {
-            format!("`doors`: {numbers:?}: the width must be from 0.1 to 1000 m, x and y from -1e9 to 1e9")
-        })
+        let again = DoorForm::try_from(Vec::from(self.clone()));
+        again.map(drop).map_err(|why| impossible(format!("`doors`: {why}")))
     }
 }
 
 /// A part of the ground, and how many people stand there.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct RegionForm {
     /// \[m\] Corners.
@@ -87,7 +97,7 @@ impl RegionForm {
 
     /// Returns the corners \[m\].
     pub fn corners(&self) -> Vec<Vec2> {
-        self.corners.iter().map(|Pair([x, y])| vec2(*x, *y)).collect()
+        self.corners.iter().map(|corner| corner.0.into()).collect()
     }
 
     /// Checks the region of a place in the list.
@@ -95,18 +105,15 @@ impl RegionForm {
         require(self.number.is_none() || self.density.is_none(), || {
             format!("`regions`: region {k}: number and density: give one of them")
         })?;
-        let (number, density) = (self.number.unwrap_or(1), self.density.unwrap_or(1.0));
-        require((1..=MOST_PEOPLE).contains(&number), || {
-            format!("`regions`: region {k}: number = {number}: must be from 1 to {MOST_PEOPLE}")
-        })?;
-        require((1e-6..=100.0).contains(&density), || {
-            format!("`regions`: region {k}: density = {density}: must be from 0.000001 to 100")
-        })
+        let (number, density) = (self.number.map_or(1.0, f64::from), self.density.unwrap_or(1.0));
+        within(format_args!("`regions`: region {k}: number"), number, range("number"))?;
+        within(format_args!("`regions`: region {k}: density"), density, range("density"))
     }
 }
 
 /// Reading of a drawing.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields, default)]
 pub struct DrawingForm {
     /// \[m\] Length of a unit; none: as the file says.
@@ -128,14 +135,18 @@ pub struct DrawingForm {
 }
 
 impl DrawingForm {
-    pub(crate) fn check(&self) -> Result<()> {
+    /// Checks each value.
+    ///
+    /// # Errors
+    /// A length is out of range, or a key is for another.
+    pub fn check(&self) -> Result<()> {
         for (key, value, [low, high]) in [
             ("drawing.unit", self.unit, [1e-6, 1e6]),
             ("drawing.close", self.close, [1e-6, 100.0]),
             ("drawing.deviation", self.deviation, [1e-6, 100.0]),
             ("drawing.widest", self.widest, [1e-6, 100.0]),
         ] {
-            within(key, value.unwrap_or(low), [low, high])?;
+            within(format_args!("`{key}`"), value.unwrap_or(low), [low, high])?;
         }
         let enclosed = self.enclosed || (self.obstacles.is_empty() && self.widest.is_none());
         require(enclosed, || "`drawing`: obstacles and widest are for enclosed".into())
@@ -146,19 +157,14 @@ impl DrawingForm {
         Reading { unit: self.unit, deviation: self.deviation.unwrap_or(DEVIATION) }
     }
 
-    /// Returns how walls enclose a room, if they do.
-    pub fn enclosing(&self) -> Option<Enclosing> {
-        let widest = self.widest.unwrap_or(WIDEST_DOOR);
-        self.enclosed.then(|| Enclosing { obstacles: self.obstacles.clone(), widest })
-    }
-
     /// Returns what its lines mean.
     pub fn settings(&self) -> PlanSettings {
+        let widest = self.widest.unwrap_or(WIDEST_DOOR);
         PlanSettings {
             close: self.close,
             to_origin: self.origin,
             walls: self.walls.clone(),
-            enclosing: self.enclosing(),
+            enclosing: self.enclosed.then(|| Enclosing { obstacles: self.obstacles.clone(), widest }),
         }
     }
 }
@@ -183,27 +189,22 @@ pub enum Rest {
 
 /// The shares of kinds as numbers.
 pub(crate) fn shares(mix: &BTreeMap<String, Share>) -> Result<BTreeMap<String, f64>> {
-    let numbers = mix.values().filter_map(|share| match share {
-        Share::Number(share) => Some(share),
-        Share::Rest(_) => None,
-    });
-    let (sum, count) = (numbers.clone().sum::<f64>(), numbers.count());
-    require(count + 1 >= mix.len(), || {
+    let number = |share: &Share| if let Share::Number(number) = share { Some(*number) } else { None };
+    let numbers: Vec<f64> = mix.values().filter_map(number).collect();
+    require(numbers.len() + 1 >= mix.len(), || {
         "`mix`: \"rest\" is there twice: only one kind can be the rest".into()
     })?;
+    let sum: f64 = numbers.iter().sum();
     let rest = 100.0 - sum;
-    require(count == mix.len() || rest >= 0.0, || {
+    require(numbers.len() == mix.len() || rest >= 0.0, || {
         format!("`mix`: the others have {sum} together: nothing of 100 is left for the \"rest\"")
     })?;
-    let share = |(name, share): (&String, &Share)| {
-        let share = if let Share::Number(share) = share { *share } else { rest };
-        (name.clone(), share)
-    };
-    Ok(mix.iter().map(share).collect())
+    Ok(mix.iter().map(|(name, share)| (name.clone(), number(share).unwrap_or(rest))).collect())
 }
 
 /// Orientation of people.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "lowercase")]
 pub enum OrientationName {
     /// Any way.
@@ -221,10 +222,6 @@ impl OrientationName {
 
     /// Returns "free", "fixed" or "towards".
     pub fn name(self) -> &'static str {
-        match self {
-            OrientationName::Free => "free",
-            OrientationName::Fixed => "fixed",
-            OrientationName::Towards => "towards",
-        }
+        ["free", "fixed", "towards"][self as usize]
     }
 }

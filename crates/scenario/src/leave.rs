@@ -1,16 +1,18 @@
 //! Decisions of people: the `decision.toml` of a scenario.
 
 use crate::Scenario;
-use crate::error::{Result, ScenarioError, impossible};
+use crate::error::{Result, fits, impossible, within};
 use crate::place::Place;
+use crate::range;
 use lemons_core::trial::Trial;
 use lemons_decision::exit_choice::ExitChoice;
 use lemons_decision::rule::{WAYPOINT_RADIUS, Waypoint};
-use lemons_decision::{
-    AgentConfig, DEFAULT_SPEED, DecisionConfig, Plan, Spread, TargetConfig, WalkingModelName,
-};
+use lemons_decision::{AgentConfig, DEFAULT_SPEED, DecisionConfig, Spread, TargetConfig, WalkingModelName};
 use lemons_people::Agent;
 use lemons_people::drawing::{self, Read};
+
+pub(crate) const NO_WAY_OUT: &str =
+    "`leave`: there is no way out: give `doors` X,Y,WIDTH, or `exits` X1,Y1,X2,Y2";
 
 impl Scenario {
     /// Returns whether somebody walks without `leave`.
@@ -24,49 +26,44 @@ impl Scenario {
     /// Checks what is said of people who leave.
     pub(crate) fn check_leaving(&self) -> Result<()> {
         let DecisionConfig { model, start, push, groups, balance, .. } = &self.decision;
-        let only_leaving = [
+        let walks = self.leave || self.walks();
+        for (key, given) in [
             ("model", model.is_some()),
             ("push", push.is_some()),
             ("groups", groups.is_some()),
             ("start", start.is_some()),
-        ];
-        let walks = self.walks();
-        if let Some((key, _)) =
-            only_leaving.into_iter().find(|(_, given)| *given).filter(|_| !self.leave && !walks)
-        {
-            return Err(ScenarioError::Misused(format!("`{key}`: nobody walks without `leave`")));
+        ] {
+            fits(!given || walks, || format!("`{key}`: nobody walks without `leave`"))?;
         }
         if let Some(start) = start {
-            start.check("start").map_err(|error| impossible(error.to_string()))?;
+            start.check("start").map_err(impossible)?;
         }
         if let Some(share) = groups.as_ref().and_then(|groups| groups.share) {
-            crate::within("groups", share, [0.0, 1.0])?;
+            within("`groups`", share, range("groups"))?;
         }
-        if self.speed.is_some() && !self.leave && balance.is_some() {
-            return Err(ScenarioError::Misused(
-                "`speed`: with `balance` and without `leave`, people stand: leave out one of the two".into(),
-            ));
-        }
-        if self.speed.is_some() && !self.leave && walks {
-            return Err(ScenarioError::Misused(
-                "`speed`: without `leave`, it pushes people; who walks has the `desired_speed` of `decision`"
-                    .into(),
-            ));
-        }
-        let ways_out = self.doors.len()
-            + self.decision.exits.as_ref().map_or(0, Vec::len)
-            + self.room.as_ref().map_or(0, |room| room.doors.len());
+        let pushed = self.speed.is_some() && !self.leave;
+        fits(!pushed || balance.is_none(), || {
+            "`speed`: with `balance` and without `leave`, people stand: leave out one of the two".into()
+        })?;
+        fits(!pushed || !walks, || {
+            "`speed`: without `leave`, it pushes people; who walks has the `desired_speed` of `decision`"
+                .into()
+        })?;
         // A drawing may have exits.
-        if self.leave && ways_out == 0 && self.drawing_file().is_none() {
-            return Err(no_way_out());
-        }
-        Ok(())
+        fits(self.ways_out() > 0 || self.drawing_file().is_some(), || NO_WAY_OUT.into())
+    }
+
+    /// How many doors and exits are given; as if there were one, where nobody leaves.
+    pub(crate) fn ways_out(&self) -> usize {
+        let of_room = self.room.as_ref().map_or(0, |room| room.doors.len());
+        let exits = self.decision.exits.as_ref().map_or(0, Vec::len);
+        if self.leave { self.doors.len() + of_room + exits } else { 1 }
     }
 
     /// Returns the settings of Decision; `None` if nobody walks or stands by them. People leave by doors, with lines
     /// behind them, and by exits. `speed` is everybody's; without it, those of kinds have that of their kind. The seed
     /// chooses who starts when and who is in a group. Notes tell what was chosen.
-    pub fn decision(
+    pub(crate) fn decision(
         &self,
         agents: &[Agent],
         trial: &Trial,
@@ -77,7 +74,7 @@ impl Scenario {
         let shares = config.exits.iter().flatten().any(|exit| exit.share.is_some());
         let drawn = matches!(config.desired_speed, Some(Spread::Drawn(_)));
         if config.start.is_some() || config.groups.is_some() || config.ways.is_some() || shares || drawn {
-            config.seed.get_or_insert(self.seed);
+            config.seed.get_or_insert(self.seed());
         }
         if !self.leave {
             if self.walks() {
@@ -120,29 +117,12 @@ impl Scenario {
         }
         Some(config)
     }
-
-    /// Makes of the settings what the people of a Trial do.
-    ///
-    /// # Errors
-    /// They cannot be done.
-    pub fn plan(&self, trial: &Trial, config: &DecisionConfig) -> Result<Plan> {
-        Plan::of(trial, config).map_err(|error| match self.leave {
-            true => impossible(format!("`leave`: people cannot leave: {error}")),
-            false => impossible(error.to_string()),
-        })
-    }
 }
 
 /// Returns Ids and desired speeds \[m/s\] of those who are of a kind.
 pub fn own_speeds(agents: &[Agent], trial: &Trial) -> Vec<(String, f64)> {
     let people = agents.iter().zip(&trial.agents);
     people.filter_map(|(agent, body)| Some((body.id.clone(), agent.member()?.speed))).collect()
-}
-
-pub(crate) fn no_way_out() -> ScenarioError {
-    ScenarioError::Misused(
-        "`leave`: there is no way out: give `doors` X,Y,WIDTH, or `exits` X1,Y1,X2,Y2".into(),
-    )
 }
 
 fn drawn_exit(drawing::Place { name, corners }: &drawing::Place) -> TargetConfig {

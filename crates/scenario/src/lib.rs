@@ -14,16 +14,16 @@ mod push;
 pub use error::{Result, ScenarioError, named};
 pub use forms::{DoorForm, DrawingForm, OrientationName, Pair, RegionForm, Share};
 pub use leave::own_speeds;
-pub use people::{Crowd, Four, People, round};
+pub use people::{Crowd, Four, People, Ready, round};
 pub use place::{Ground, Place};
 pub use push::{Push, drive};
 
-use error::{Of, impossible, require};
-use lemons_core::files::input;
+use error::{Of, fits, impossible, require, within};
 use lemons_core::files::source::Source;
-use lemons_core::plane::Pose;
-use lemons_core::trial::{FARTHEST, Trial};
-use lemons_decision::{DecisionConfig, Plan};
+use lemons_core::files::{input, words};
+use lemons_core::plane::Vec2;
+use lemons_core::trial::{DRIVE_FILE, DriveTable, FARTHEST, Trial};
+use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
 use lemons_people::placing::{Method, Watch};
 use lemons_people::room::Room;
 use lemons_people::{Agent, Kinds, SKINS};
@@ -37,12 +37,26 @@ pub const MOST_PEOPLE: u32 = 1_000_000;
 const MOST_PARTS: usize = 1000;
 /// Most corners of room and regions.
 const MOST_CORNERS: usize = 10_000;
+/// Ranges of numbers.
+const RANGES: [(&str, [f64; 2]); 10] = [
+    ("box", [0.1, 1e4]),
+    ("number", [1.0, MOST_PEOPLE as f64]),
+    ("density", [1e-6, 100.0]),
+    ("men", [0.0, 1.0]),
+    ("pedestrians", [0.0, 1.0]),
+    ("direction", [-360.0, 360.0]),
+    ("speed", [0.0, 20.0]),
+    ("friction", [0.0, 2.0]),
+    ("groups", [0.0, 1.0]),
+    ("time_step", [1e-6, 1.0]),
+];
 const ROUND: &str = "round bodies are of adults with nothing: take no mix of kinds, or no round bodies";
 /// The material of walls that are made.
 pub const WALLS: &str = "concrete";
 
 /// A scenario. Without `box`, `geometry` and `room`, people stand in the open.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields, default)]
 pub struct Scenario {
     /// \[m\] Width and height of a room whose lower left corner is the origin.
@@ -55,6 +69,7 @@ pub struct Scenario {
     /// Corners of a room, with its doors.
     pub room: Option<Room>,
     /// \[m\], \[s\] Doors that are cut into closed walls: x, y, width, and the times at which they open and close.
+    #[cfg_attr(feature = "typescript", ts(as = "Vec<Vec<f64>>"))]
     pub doors: Vec<DoorForm>,
     /// Places where people stand; without one, in the whole room, or on the distributions of a drawing.
     pub regions: Vec<RegionForm>,
@@ -62,8 +77,8 @@ pub struct Scenario {
     pub number: Option<u32>,
     /// \[1/m²\] Density of people, instead of their number.
     pub density: Option<f64>,
-    /// The same seed gives the same crowd.
-    pub seed: u64,
+    /// The same seed gives the same crowd. If it is not said, 1.
+    pub seed: Option<u64>,
     /// Source of the people.
     pub people: People,
     /// Probability that a pedestrian is a man; if it is not said, 0.5, or what the statistics say.
@@ -71,6 +86,7 @@ pub struct Scenario {
     /// Probability that somebody is a pedestrian; the others ride bicycles.
     pub pedestrians: Option<f64>,
     /// Shares of kinds of people; empty: those of the statistics, else adults with nothing.
+    #[cfg_attr(feature = "typescript", ts(type = "Record<string, number | \"rest\">"))]
     pub mix: BTreeMap<String, Share>,
     /// Packing algorithm.
     pub packing: Method,
@@ -80,14 +96,14 @@ pub struct Scenario {
     pub direction: Option<f64>,
     /// True if people may overlap at the start.
     pub allow_overlap: bool,
-    /// Material of everybody: one of [`SKINS`].
-    pub material: String,
+    /// Material of everybody: one of [`SKINS`]; if it is not said, the first.
+    pub material: Option<String>,
     /// Kinetic friction of people with each other and with walls, instead of the material's.
     pub friction: Option<f64>,
     /// True if each body is one disk, of the same area.
     pub round: bool,
-    /// \[s\] Communication step.
-    pub time_step: f64,
+    /// \[s\] Communication step. If it is not said, 0.01.
+    pub time_step: Option<f64>,
     /// \[m/s\] Desired speed of everybody who leaves, instead of the usual one and those of kinds; or the speed that
     /// everybody would reach alone, pushing along the direction.
     pub speed: Option<f64>,
@@ -96,39 +112,8 @@ pub struct Scenario {
     /// Pushes.
     pub pushes: Vec<Push>,
     /// Further keys of what people do, as in `decision.toml`.
+    #[cfg_attr(feature = "typescript", ts(type = "Wishes"))]
     pub decision: DecisionConfig,
-}
-
-impl Default for Scenario {
-    fn default() -> Scenario {
-        Scenario {
-            sides: None,
-            geometry: None,
-            drawing: DrawingForm::default(),
-            room: None,
-            doors: Vec::new(),
-            regions: Vec::new(),
-            number: None,
-            density: None,
-            seed: 1,
-            people: People::default(),
-            men: None,
-            pedestrians: None,
-            mix: BTreeMap::new(),
-            packing: Method::Dense,
-            orientation: None,
-            direction: None,
-            allow_overlap: false,
-            material: SKINS[0].to_owned(),
-            friction: None,
-            round: false,
-            time_step: 0.01,
-            speed: None,
-            leave: false,
-            pushes: Vec::new(),
-            decision: DecisionConfig::default(),
-        }
-    }
 }
 
 /// Documents that were made of a scenario.
@@ -142,12 +127,25 @@ pub struct Made {
     pub crowd: Crowd,
     /// The room.
     pub place: Place,
-    /// The text of its drive.csv; empty without pushes.
-    pub drive: String,
+    /// Its drive; empty without pushes.
+    pub drive: DriveTable,
     /// Its decision.toml, and what it becomes.
     pub decision: Option<(DecisionConfig, Plan)>,
     /// Notes of what is probably not meant, and of what was chosen.
     pub notes: Vec<String>,
+}
+
+impl Made {
+    /// Returns names and texts of the files that are beside those of all Trials.
+    ///
+    /// # Errors
+    /// A number is too large for TOML.
+    pub fn beside(&self) -> Result<Vec<(&'static str, String)>> {
+        let decision = self.decision.as_ref().map(|(config, _)| config.to_toml());
+        let decision = decision.transpose().map_err(impossible)?.unwrap_or_default();
+        let all = [(DECISION_FILE, decision), (DRIVE_FILE, self.drive.text_for(&self.trial))];
+        Ok(all.into_iter().filter(|(_, text)| !text.is_empty()).collect())
+    }
 }
 
 impl Scenario {
@@ -178,7 +176,7 @@ impl Scenario {
     /// # Errors
     /// The text is not TOML, or has unknown keys or values of another type; with line and column.
     pub fn from_toml(text: &str) -> Result<Scenario> {
-        toml::from_str(text).map_err(|error| ScenarioError::Toml(error.to_string()))
+        toml::from_str(text).map_err(|error| ScenarioError::Toml(explained(&error)))
     }
 
     /// Reads keys and values.
@@ -187,9 +185,8 @@ impl Scenario {
     /// There are unknown keys, or values of another type.
     pub fn from_table(table: toml::Table) -> Result<Scenario> {
         // The key is on a line of its own.
-        let error =
-            |error: toml::de::Error| ScenarioError::Toml(error.to_string().trim_end().replace('\n', " "));
-        table.try_into().map_err(error)
+        let line = |error| explained(&error).trim_end().replace('\n', " ");
+        table.try_into().map_err(|error| ScenarioError::Toml(line(error)))
     }
 
     /// Returns TOML, without keys that have their usual value.
@@ -197,12 +194,26 @@ impl Scenario {
     /// # Errors
     /// A number is too large for TOML.
     pub fn to_toml(&self) -> Result<String> {
-        let table = |of: &Scenario| {
-            toml::Table::try_from(of).map_err(|error| ScenarioError::Impossible(error.to_string()))
-        };
-        let (mut own, usual) = (table(self)?, table(&Scenario::default())?);
+        let (mut own, usual) = (self.table()?, Scenario::default().table()?);
         own.retain(|key, value| usual.get(key) != Some(value));
-        toml::to_string(&own).map_err(|error| ScenarioError::Impossible(error.to_string()))
+        toml::to_string(&own).map_err(impossible)
+    }
+
+    fn table(&self) -> Result<toml::Table> {
+        toml::Table::try_from(self).map_err(impossible)
+    }
+
+    /// Returns whether a key, as messages call it, has another value than in another scenario.
+    pub fn differs(&self, other: &Scenario, key: &str) -> bool {
+        // As text: what is no number is not equal to itself.
+        let value = |of: &Scenario| -> Option<String> {
+            let table = of.table().ok()?;
+            let mut names = key.split('.');
+            let first = names.next()?;
+            let value = table.get(first).or_else(|| table.get("decision")?.get(first))?;
+            names.try_fold(value, |value, name| value.get(name)).map(ToString::to_string)
+        };
+        value(self) != value(other)
     }
 
     /// Changes the paths of files.
@@ -229,16 +240,11 @@ impl Scenario {
             }
             value => value,
         };
-        let mut table =
-            toml::Table::try_from(self).map_err(|error| ScenarioError::Impossible(error.to_string()))?;
-        let mut names = names(key).ok_or_else(|| impossible(format!("{key}: must be a key, as in TOML")))?;
-        let last = names.pop().unwrap_or_default();
-        let mut place = &mut table;
-        for name in names {
-            let inner = place.entry(&name).or_insert_with(|| toml::Table::new().into());
-            place = inner.as_table_mut().ok_or_else(|| impossible(format!("{name} is no table")))?;
-        }
-        place.insert(last, value);
+        let bare = !key.contains(['\n', '\r']);
+        let path = bare.then(|| toml::from_str(&format!("{key} = true")).ok()).flatten().unwrap_or_default();
+        let mut table = self.table()?;
+        set(&mut table, path, value)
+            .map_err(|why| impossible(why.unwrap_or_else(|| format!("{key}: must be a key, as in TOML"))))?;
         Scenario::from_table(table)
     }
 
@@ -251,22 +257,19 @@ impl Scenario {
         self.check()?;
         let population = self.population(files)?;
         require(!population.has_bicycles(), || "`pedestrians`: no Trial holds bicycles".into())?;
-        let drawn = self.drawn(files)?;
-        let place = self.place(files, drawn)?;
-        let numbers = self.numbers(&place)?;
-        let all = numbers.iter().sum::<usize>();
-        require(all <= most as usize, || format!("{all} people: the number must be 1 to {most}"))?;
-        let agents: Vec<Agent> = population.agents(self.seed).take(all).collect();
-        let crowd = self.crowd(&agents, &place, &numbers, watch)?;
-        let poses = crowd.packing.poses.iter().copied();
-        let placed: Vec<(Agent, Pose)> = agents.iter().cloned().zip(poses).collect();
-        let trial = self.trial(name, &placed, &crowd.shapes, &place.geometry)?;
-        let mut notes = place.notes.clone();
-        let decision = self.decision(&agents, &trial, &place, &mut notes);
-        let planned = |config: DecisionConfig| self.plan(&trial, &config).map(|plan| (config, plan));
-        let decision = decision.map(planned).transpose()?;
-        let drive = drive(&trial, &self.pushes)?;
-        Ok(Made { trial, agents, crowd, place, drive, decision, notes })
+        let place = self.place(files, self.drawn(files)?)?;
+        let ready = self.ready(&population, place, most)?;
+        let crowd = ready.crowd(watch)?;
+        ready.made(name, crowd)
+    }
+
+    /// Returns the seed of who the people are and where they stand.
+    pub fn seed(&self) -> u64 {
+        self.seed.unwrap_or(1)
+    }
+
+    fn material(&self) -> &str {
+        self.material.as_deref().unwrap_or(SKINS[0])
     }
 
     /// Checks what can be known before files are read.
@@ -274,94 +277,83 @@ impl Scenario {
     /// # Errors
     /// A value is not possible, or does not fit to others; keys are between backticks.
     pub fn check(&self) -> Result<()> {
-        let rooms = [
-            ("box", self.sides.is_some()),
-            ("geometry", self.geometry.is_some()),
-            ("room", self.room.is_some()),
-        ];
-        let given: Vec<_> = rooms.iter().filter(|(_, given)| *given).collect();
-        if let [(one, _), (other, _), ..] = given[..] {
-            return Err(ScenarioError::Misused(format!("`{one}` and `{other}`: a scenario has one room")));
-        }
-        let number = self.number.unwrap_or(1);
-        require((1..=MOST_PEOPLE).contains(&number), || {
-            format!("`number` = {number}: must be from 1 to {MOST_PEOPLE}")
-        })?;
-        let [width, height] = self.sides.map_or([1.0; 2], |sides| sides.0);
-        let good = [width, height].iter().all(|side| (0.1..=1e4).contains(side));
-        require(good, || format!("`box` = [{width}, {height}]: must be from 0.1 to 10000 m"))?;
-        self.drawing.check()?;
-        self.doors.iter().try_for_each(DoorForm::check)?;
-        self.regions.iter().enumerate().try_for_each(|(k, region)| region.check(k))?;
-        for (key, value, [low, high]) in [
-            ("density", self.density, [1e-6, 100.0]),
-            ("men", self.men, [0.0, 1.0]),
-            ("pedestrians", self.pedestrians, [0.0, 1.0]),
-            ("direction", self.direction, [-360.0, 360.0]),
-            ("speed", self.speed, [0.0, 20.0]),
-            ("friction", self.friction, [0.0, 2.0]),
-            ("time_step", Some(self.time_step), [1e-6, 1.0]),
+        let Scenario { sides, geometry, room, doors, regions, pushes, .. } = self;
+        let rooms = [("box", sides.is_some()), ("geometry", geometry.is_some()), ("room", room.is_some())];
+        let given: Vec<_> = rooms.iter().filter(|(_, given)| *given).map(|(key, _)| key).collect();
+        fits(given.len() < 2, || format!("`{}` and `{}`: a scenario has one room", given[0], given[1]))?;
+        let [width, height] = sides.map_or([None; 2], |sides| sides.0.map(Some));
+        for (key, value) in [
+            ("box", width),
+            ("box", height),
+            ("number", self.number.map(f64::from)),
+            ("density", self.density),
+            ("men", self.men),
+            ("pedestrians", self.pedestrians),
+            ("direction", self.direction),
+            ("speed", self.speed),
+            ("friction", self.friction),
+            ("time_step", self.time_step),
         ] {
-            within(key, value.unwrap_or(low), [low, high])?;
+            value.map_or(Ok(()), |value| within(format_args!("`{key}`"), value, range(key)))?;
         }
-        require(SKINS.contains(&&*self.material), || {
-            format!("`material` = {:?}: must be one of {}", self.material, SKINS.join(", "))
+        self.drawing.check()?;
+        doors.iter().try_for_each(DoorForm::check)?;
+        regions.iter().enumerate().try_for_each(|(k, region)| region.check(k))?;
+        require(SKINS.contains(&self.material()), || {
+            format!("`material` = {:?}: must be one of {}", self.material(), SKINS.join(", "))
         })?;
         require(!self.round || self.mix.is_empty(), || ROUND.into())?;
-        for (key, count) in
-            [("doors", self.doors.len()), ("regions", self.regions.len()), ("pushes", self.pushes.len())]
-        {
+        for (key, count) in [("doors", doors.len()), ("regions", regions.len()), ("pushes", pushes.len())] {
             require(count <= MOST_PARTS, || format!("`{key}`: {count} are more than {MOST_PARTS}"))?;
         }
-        let of_regions = self.regions.iter().flat_map(RegionForm::corners);
-        let of_room = self.room.iter().flat_map(|room| {
-            let walls = room.walls.iter().map(|wall| &wall.corners);
-            std::iter::once(&room.outline).chain(&room.obstacles).chain(walls).flatten().copied()
-        });
-        let (mut count, mut far) = (0, false);
-        of_regions.chain(of_room).for_each(|corner| {
-            count += 1;
-            far |= ![corner.x, corner.y].iter().all(|x| x.abs() <= FARTHEST);
-        });
-        require(count <= MOST_CORNERS, || {
-            format!("`room`, `regions`: {count} corners are more than {MOST_CORNERS}")
+        let of_room = room.iter().flat_map(Room::every_corner).copied();
+        let corners: Vec<Vec2> = regions.iter().flat_map(RegionForm::corners).chain(of_room).collect();
+        require(corners.len() <= MOST_CORNERS, || {
+            format!("`room`, `regions`: {} corners are more than {MOST_CORNERS}", corners.len())
         })?;
-        require(!far, || format!("`room`, `regions`: corners must be from -{FARTHEST:e} to {FARTHEST:e} m"))?;
-        self.pushes.iter().try_for_each(Push::check)?;
+        let near = |corner: &Vec2| [corner.x, corner.y].iter().all(|x| x.abs() <= FARTHEST);
+        require(corners.iter().all(near), || {
+            format!("`room`, `regions`: corners must be from -{FARTHEST:e} to {FARTHEST:e} m")
+        })?;
+        pushes.iter().try_for_each(Push::check)?;
         // TOML holds no larger ones.
-        require(i64::try_from(self.seed).is_ok(), || {
-            format!("`seed` = {}: must be at most {}", self.seed, i64::MAX)
+        require(i64::try_from(self.seed()).is_ok(), || {
+            format!("`seed` = {}: must be at most {}", self.seed(), i64::MAX)
         })?;
         self.people.check()?;
         self.check_leaving()?;
         let shares = forms::shares(&self.mix)?;
         // A file of statistics may have kinds of its own.
         if !shares.is_empty() && !matches!(self.people, People::Custom { .. }) {
-            Kinds::built_in()?.mix(&shares).of(|| "`mix`".into())?;
+            Kinds::built_in()?.mix(&shares).of("`mix`")?;
         }
         Ok(())
     }
 }
 
-/// Returns the parts of a dotted key of TOML; `None` if it is none.
-fn names(key: &str) -> Option<Vec<String>> {
-    if key.contains(['\n', '\r']) {
-        return None;
-    }
-    let mut table = toml::from_str::<toml::Table>(&format!("{key} = true")).ok()?;
-    let mut names = Vec::new();
-    loop {
-        let (name, value) = table.into_iter().next()?;
-        names.push(name);
-        match value {
-            toml::Value::Table(inner) => table = inner,
-            toml::Value::Boolean(true) => return Some(names),
-            _ => return None,
-        }
-    }
+/// Returns the range of a number.
+///
+/// # Panics
+/// The key has none.
+pub fn range(key: &str) -> [f64; 2] {
+    RANGES.iter().find(|(known, _)| *known == key).expect("a key with a range").1
 }
 
-/// Checks that a number is in its range.
-pub(crate) fn within(key: &str, value: f64, [low, high]: [f64; 2]) -> Result<()> {
-    require((low..=high).contains(&value), || format!("`{key}` = {value}: must be from {low} to {high}"))
+fn explained(error: &toml::de::Error) -> String {
+    words::explained(&error.to_string(), error.message())
+}
+
+/// Sets the value at the end of a path, in which each table has one key. An error says why not; `None`: it is no path.
+fn set(table: &mut toml::Table, path: toml::Table, value: toml::Value) -> Result<(), Option<String>> {
+    match path.into_iter().next().ok_or(None)? {
+        (name, toml::Value::Table(path)) => {
+            let place = table.entry(&name).or_insert_with(|| toml::Table::new().into());
+            set(place.as_table_mut().ok_or_else(|| Some(format!("{name} is no table")))?, path, value)
+        }
+        (name, toml::Value::Boolean(true)) => {
+            table.insert(name, value);
+            Ok(())
+        }
+        _ => Err(None),
+    }
 }

@@ -1,14 +1,14 @@
 //! People: drawn, placed, and made a Trial.
 
-use crate::error::{Of, Result, ScenarioError, impossible, require};
+use crate::error::{Of, Result, ScenarioError, fits, impossible, require};
 use crate::forms::{self, OrientationName};
 use crate::place::{Ground, Place};
-use crate::{MOST_PEOPLE, ROUND, Scenario};
+use crate::{MOST_PEOPLE, Made, ROUND, Scenario, drive};
 use lemons_core::files::input;
 use lemons_core::files::source::Source as Files;
 use lemons_core::plane::{Pose, Vec2};
-use lemons_core::trial::{Contact, Geometry, Trial};
-use lemons_people::placing::{Ended, Method, Orientation, Packing, Settings, Watch, within_area};
+use lemons_decision::Plan;
+use lemons_people::placing::{Ended, FreeSpace, Method, Orientation, Packing, Settings, Watch, within_area};
 use lemons_people::{
     Agent, Custom, CustomMeasures, Disk, Kinds, PAPER_BICYCLES, PeopleError, Person, Population, Proportions,
     Sex, Shape, Source, Survey, TrialSettings, TruncatedNormal, choose_mechanical_step, crowd_trial, heading,
@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// Source of people.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum People {
     /// The statistics of the survey ANSUR II.
@@ -81,12 +82,21 @@ impl People {
     pub(crate) fn check(&self) -> Result<()> {
         match self {
             People::Tables { male: None, female: None } => Err(impossible("`people`: there is no table")),
-            People::Fixed { sex, measures } => {
-                Person::from_measures(*sex, *measures).check().of(|| "`people`".into())
-            }
+            People::Fixed { sex, measures } => Person::from_measures(*sex, *measures).check().of("`people`"),
             _ => Ok(()),
         }
     }
+}
+
+/// People of a scenario who are not placed yet.
+pub struct Ready<'a> {
+    scenario: &'a Scenario,
+    /// The room.
+    pub place: Place,
+    /// How many stand on each ground.
+    pub numbers: Vec<usize>,
+    /// Everybody, ground after ground.
+    pub agents: Vec<Agent>,
 }
 
 /// Placing of a crowd.
@@ -106,33 +116,28 @@ impl Scenario {
     /// # Errors
     /// A file cannot be read or has errors, or there is no such kind.
     pub fn population(&self, files: &dyn Files) -> Result<Population> {
-        let mut proportions = Proportions::default();
-        let mut bicycles = PAPER_BICYCLES;
-        let (mut mix, mut kinds) = (forms::shares(&self.mix)?, Kinds::built_in()?);
-        let custom = if let People::Custom { file } = &self.people {
-            file.display().to_string()
-        } else {
-            String::new()
-        };
-        let named = || format!("`people.file` {custom}");
-        let (mut from, own) = ("`mix`".to_owned(), !mix.is_empty());
+        let (mut proportions, mut bicycles) = (Proportions::default(), PAPER_BICYCLES);
+        let (mut mix, mut kinds, mut from) =
+            (forms::shares(&self.mix)?, Kinds::built_in()?, "`mix`".to_owned());
+        let mut custom = None;
         let source = match &self.people {
             People::Survey {} => Source::ansur()?,
             People::Statistics { male, female } => {
                 Source::custom(&[male.of(Sex::Male), female.of(Sex::Female)])?
             }
             People::Custom { file } => {
+                let named = &*custom.insert(format!("`people.file` {}", file.display()));
                 let text = files.read_text(file, input::LARGEST_SETTINGS);
-                let text = text.map_err(|error| impossible(format!("{}: {error}", named())))?;
-                let custom = Custom::from_toml(&text).of(named)?;
-                proportions.men = custom.men.unwrap_or(proportions.men);
-                proportions.pedestrians = custom.pedestrians.unwrap_or(proportions.pedestrians);
-                bicycles = custom.bicycles;
-                kinds = kinds.with(custom.kinds).of(named)?;
-                if !own {
-                    (mix, from) = (custom.mix, format!("{}, [mix]", named()));
+                let text = text.map_err(|error| impossible(format!("{named}: {error}")))?;
+                let own = Custom::from_toml(&text).of(named)?;
+                proportions.men = own.men.unwrap_or(proportions.men);
+                proportions.pedestrians = own.pedestrians.unwrap_or(proportions.pedestrians);
+                bicycles = own.bicycles;
+                kinds = kinds.with(own.kinds).of(named)?;
+                if mix.is_empty() {
+                    (mix, from) = (own.mix, format!("{named}, [mix]"));
                 }
-                Source::custom(&custom.people).of(named)?
+                Source::custom(&own.people).of(named)?
             }
             People::Tables { male, female } => {
                 proportions.men = match (male, female) {
@@ -155,66 +160,60 @@ impl Scenario {
         proportions.men = self.men.unwrap_or(proportions.men);
         proportions.pedestrians = self.pedestrians.unwrap_or(proportions.pedestrians);
         let population = Population::new(source, proportions, bicycles);
-        let population = if custom.is_empty() { population? } else { population.of(named)? };
+        let population = match custom {
+            Some(named) => population.of(named)?,
+            None => population?,
+        };
         require(!self.round || mix.is_empty(), || ROUND.into())?;
         if mix.is_empty() {
             return Ok(population);
         }
-        Ok(population.mixed(kinds.mix(&mix).of(|| from)?))
+        Ok(population.mixed(kinds.mix(&mix).of(from)?))
     }
 
     /// Returns how many stand on each ground.
-    ///
-    /// # Errors
-    /// The number is not said, or said twice, or nobody or too many would stand there.
-    pub fn numbers(&self, place: &Place) -> Result<Vec<usize>> {
-        let misused = ScenarioError::Misused;
+    fn numbers(&self, place: &Place) -> Result<Vec<usize>> {
         let (number, density) = (self.number, self.density);
         if place.is_plane() {
-            match (number, density) {
-                (Some(_), Some(density)) if self.packing != Method::Dense => {
-                    return Err(misused(format!(
-                        "`density` {density} in the open is for `packing` dense, not {}",
-                        self.manner_of_packing()
-                    )));
-                }
-                (None, Some(density)) => {
-                    return Err(misused(format!(
-                        "`density` {density} in the open needs `number`, or `box` or `geometry`"
-                    )));
-                }
-                (Some(number), _) => return Ok(vec![number as usize]),
-                (None, None) => {}
+            if let Some(density) = density {
+                fits(number.is_some(), || {
+                    format!("`density` {density} in the open needs `number`, or `box` or `geometry`")
+                })?;
+                let packed = self.manner_of_packing();
+                fits(self.packing == Method::Dense, || {
+                    format!("`density` {density} in the open is for `packing` dense, not {packed}")
+                })?;
+            }
+            if let Some(number) = number {
+                return Ok(vec![number as usize]);
             }
         }
         let open = place.grounds.iter().filter(|ground| ground.amount == (None, None));
         let open: f64 = open.map(|ground| ground.free.region.area()).sum();
-        if open == 0.0
-            && let Some(key) = number.map(|_| "number").or(density.map(|_| "density"))
-        {
-            return Err(misused(format!("`{key}`: the `regions` say themselves how many people they have")));
+        for (key, given) in [("number", number.is_some()), ("density", density.is_some())] {
+            fits(!given || open > 0.0, || {
+                format!("`{key}`: the `regions` say themselves how many people they have")
+            })?;
         }
         let mut before = 0.0;
         let mut on = |Ground { free, name, amount }: &Ground| {
             let area = free.region.area();
-            let wanted = match (amount, number, density) {
-                ((Some(number), _), ..) => f64::from(*number),
-                ((None, Some(density)), ..) => (density * area).round(),
-                (_, Some(_), Some(_)) => {
-                    return Err(misused(format!(
-                        "`number` and `density`: one of them follows from the other in {name}"
-                    )));
-                }
-                (_, None, Some(density)) => (density * area).round(),
-                (_, Some(number), None) => {
+            let own = *amount != (None, None);
+            let wanted = match if own { *amount } else { (number, density) } {
+                (Some(number), None) if own => f64::from(number),
+                (None, Some(density)) => (density * area).round(),
+                (Some(number), None) => {
                     // Shares of the whole that add up to it.
                     let upto = |area: f64| (f64::from(number) * area / open).round();
                     let from = before;
                     before += area;
                     upto(before) - upto(from)
                 }
-                (_, None, None) => {
-                    return Err(misused(format!(
+                given => {
+                    fits(given.0.is_none(), || {
+                        format!("`number` and `density`: one of them follows from the other in {name}")
+                    })?;
+                    return Err(ScenarioError::Misused(format!(
                         "the number of people is missing in {name}: give `number` or `density`, of all or of \
                          each of the `regions`"
                     )));
@@ -226,6 +225,18 @@ impl Scenario {
             Ok(wanted as usize)
         };
         place.grounds.iter().map(&mut on).collect()
+    }
+
+    /// Draws people who stand there, at most so many.
+    ///
+    /// # Errors
+    /// Their number is not said, or said twice, or nobody or too many would stand somewhere.
+    pub fn ready(&self, population: &Population, place: Place, most: u32) -> Result<Ready<'_>> {
+        let numbers = self.numbers(&place)?;
+        let all = numbers.iter().sum::<usize>();
+        require(all <= most as usize, || format!("{all} people: the number must be 1 to {most}"))?;
+        let agents = population.agents(self.seed()).take(all).collect();
+        Ok(Ready { scenario: self, place, numbers, agents })
     }
 
     /// The packing, as messages call it.
@@ -244,26 +255,77 @@ impl Scenario {
         }
     }
 
-    /// Places people, so many on each ground.
+    /// Places shapes on the ground with this number.
+    fn on(&self, ground: &Ground, number: usize, shapes: &[Shape], watch: &mut Watch) -> Result<Packing> {
+        let Ground { free: FreeSpace { region, .. }, name, .. } = ground;
+        // Equal grounds are filled in different ways.
+        let seed = self.seed().wrapping_add(number as u64);
+        let settings = Settings { orientation: self.orientation(), seed, density: self.density, limit: None };
+        let few = self.packing == Method::Dense && !region.is_plane() && !self.allow_overlap;
+        let tried = if few { within_area(shapes, region) } else { shapes };
+        let (count, packed) = (shapes.len(), self.manner_of_packing());
+        let packing = self.packing.place(tried, region, &settings, watch);
+        let packing = packing.of(format_args!("{count} people in {name}, {packed}"))?;
+        if packing.ended == Ended::Cancelled {
+            return Err(ScenarioError::Stopped);
+        }
+        if self.allow_overlap || (packing.complete && tried.len() == count) {
+            return Ok(packing);
+        }
+        let (area, clear, overlap) = (region.area(), packing.clear_density, 1e3 * packing.largest_overlap);
+        if region.is_plane() {
+            let wanted = self.density.map_or(String::new(), |density| format!(" at `density` {density}"));
+            let density = packing.density;
+            return Err(impossible(format!(
+                "{count} in the open{wanted}, {packed}: reached {density:.2} /m², largest overlap {overlap:.2} mm"
+            )));
+        }
+        let about = (area * clear).floor();
+        let what = format!(
+            "{count} people do not fit on {area:.2} m² without overlap; about {about} of them do, {clear:.1} per m²"
+        );
+        let mut hint = String::new();
+        if tried.len() == count {
+            hint = format!("; the others overlap by up to {overlap:.2} mm (`allow_overlap` writes it so)");
+        }
+        if self.packing == Method::Paper {
+            hint += "; `packing` dense reaches more";
+        }
+        Err(ScenarioError::NoRoom { place: format!("{name}, {packed}"), what, hint })
+    }
+
+    /// Returns the settings of the Trial. People who leave are driven by nothing else.
+    pub fn settings(&self) -> TrialSettings {
+        let speed = self.speed.filter(|_| !self.leave).unwrap_or(0.0);
+        TrialSettings {
+            time_step: self.time_step.unwrap_or(0.01),
+            people: self.material().to_owned(),
+            desired_velocity: heading(self.direction.unwrap_or(0.0)) * speed,
+        }
+    }
+
+    /// Returns the path of the room's file, if it is a drawing.
+    pub(crate) fn drawing_file(&self) -> Option<&Path> {
+        self.geometry.as_deref().filter(|path| lemons_people::drawing::Format::of(path).is_some())
+    }
+}
+
+impl Ready<'_> {
+    /// Places the people.
     ///
     /// # Errors
     /// They do not fit without overlap and may not overlap, or `watch` stopped the placing.
-    pub fn crowd(
-        &self,
-        agents: &[Agent],
-        place: &Place,
-        numbers: &[usize],
-        watch: &mut Watch,
-    ) -> Result<Crowd> {
+    pub fn crowd(&self, watch: &mut Watch) -> Result<Crowd> {
+        let Ready { scenario, place, numbers, agents } = self;
         let mut shapes = agents.iter().map(Agent::shape).collect::<Result<Vec<Shape>, PeopleError>>()?;
-        if self.round {
+        if scenario.round {
             shapes = shapes.iter().map(round).collect();
         }
         let (mut packings, mut rest) = (Vec::new(), &shapes[..]);
         for (k, (ground, number)) in place.grounds.iter().zip(numbers).enumerate() {
             let (own, others) = rest.split_at(*number);
             rest = others;
-            packings.push(self.on(ground, k, own, watch)?);
+            packings.push(scenario.on(ground, k, own, watch)?);
         }
         let densities = packings.iter().map(|packing| packing.density).collect();
         let mut packings = packings.into_iter();
@@ -278,93 +340,38 @@ impl Scenario {
         Ok(Crowd { packing, densities, shapes })
     }
 
-    /// Places shapes on the ground with this number.
-    fn on(
-        &self,
-        Ground { free, name, .. }: &Ground,
-        number: usize,
-        shapes: &[Shape],
-        watch: &mut Watch,
-    ) -> Result<Packing> {
-        let region = &free.region;
-        // Equal grounds are filled in different ways.
-        let seed = self.seed.wrapping_add(number as u64);
-        let settings = Settings { orientation: self.orientation(), seed, density: self.density, limit: None };
-        let few = self.packing == Method::Dense && !region.is_plane() && !self.allow_overlap;
-        let tried = if few { within_area(shapes, region) } else { shapes };
-        let (count, packed) = (shapes.len(), self.manner_of_packing());
-        let packing = self.packing.place(tried, region, &settings, watch);
-        let packing = packing.of(|| format!("{count} people in {name}, {packed}"))?;
-        if packing.ended == Ended::Cancelled {
-            return Err(ScenarioError::Stopped);
-        }
-        if self.allow_overlap || (packing.complete && tried.len() == count) {
-            return Ok(packing);
-        }
-        if region.is_plane() {
-            let wanted = self.density.map_or(String::new(), |density| format!(" at `density` {density}"));
-            let Packing { density, largest_overlap, .. } = packing;
-            let overlap = 1e3 * largest_overlap;
-            return Err(impossible(format!(
-                "{count} in the open{wanted}, {packed}: reached {density:.2} /m², largest overlap {overlap:.2} mm"
-            )));
-        }
-        let (area, clear) = (region.area(), packing.clear_density);
-        let (about, packing) = ((area * clear).floor() as usize, packing);
-        let overlap = (tried.len() == count).then_some(packing.largest_overlap);
-        Err(ScenarioError::NoRoom {
-            number: count,
-            place: format!("{name}, {packed}"),
-            area,
-            about,
-            clear,
-            overlap,
-            better: self.packing == Method::Paper,
-        })
-    }
-
-    /// Makes the Trial of people who were placed, with these shapes.
+    /// Makes the documents of the Trial. Bicycles are not in it.
     ///
     /// # Errors
-    /// Its mechanical step would be too short, or a part of the crowd rides bicycles.
-    pub fn trial(
-        &self,
-        name: &str,
-        placed: &[(Agent, Pose)],
-        shapes: &[Shape],
-        geometry: &Geometry,
-    ) -> Result<Trial> {
-        let mut trial = crowd_trial(name, placed, geometry.clone(), &self.settings())?;
-        if self.round {
-            for (agent, shape) in trial.agents.iter_mut().zip(shapes) {
+    /// People cannot leave, a push reaches nobody, or the mechanical step would be too short.
+    pub fn made(self, name: &str, crowd: Crowd) -> Result<Made> {
+        let Ready { scenario, place, agents, .. } = self;
+        let poses = crowd.packing.poses.iter().copied();
+        let placed: Vec<(Agent, Pose)> = agents.iter().cloned().zip(poses).collect();
+        let mut trial = crowd_trial(name, &placed, place.geometry.clone(), &scenario.settings())?;
+        if scenario.round {
+            for (agent, shape) in trial.agents.iter_mut().zip(&crowd.shapes) {
                 agent.moment_of_inertia = shape.inertia(agent.mass);
                 agent.shapes.truncate(1);
                 (agent.shapes[0].position, agent.shapes[0].radius) = (Vec2::zeros(), shape.disks[0].radius);
             }
             choose_mechanical_step(&mut trial);
         }
-        if let Some(friction) = self.friction {
-            let theirs =
-                |contact: &&mut Contact| contact.id1 == self.material || contact.id2 == self.material;
-            let contacts = trial.materials.binary.iter_mut().filter(theirs);
+        if let Some(friction) = scenario.friction {
+            let own = scenario.material();
+            let contacts = trial.materials.binary.iter_mut().filter(|of| of.id1 == own || of.id2 == own);
             contacts.for_each(|contact| contact.kinetic_friction = friction);
         }
-        Ok(trial)
-    }
-
-    /// Returns the settings of the Trial. People who leave are driven by nothing else.
-    pub fn settings(&self) -> TrialSettings {
-        let speed = self.speed.filter(|_| !self.leave).unwrap_or(0.0);
-        TrialSettings {
-            time_step: self.time_step,
-            people: self.material.clone(),
-            desired_velocity: heading(self.direction.unwrap_or(0.0)) * speed,
+        let (mut notes, mut decision) = (place.notes.clone(), None);
+        if !agents.iter().any(|agent| matches!(agent, Agent::Bicycle(_))) {
+            decision = scenario.decision(&agents, &trial, &place, &mut notes);
         }
-    }
-
-    /// Returns the path of the room's file, if it is a drawing.
-    pub(crate) fn drawing_file(&self) -> Option<&Path> {
-        self.geometry.as_deref().filter(|path| lemons_people::drawing::Format::of(path).is_some())
+        let leave = if scenario.leave { "`leave`: people cannot leave: " } else { "" };
+        let plan =
+            |config: &_| Plan::of(&trial, config).map_err(|error| impossible(format!("{leave}{error}")));
+        let decision = decision.map(|config| plan(&config).map(|plan| (config, plan))).transpose()?;
+        let drive = drive(&trial, &scenario.pushes)?;
+        Ok(Made { trial, agents, crowd, place, drive, decision, notes })
     }
 }
 

@@ -1,8 +1,8 @@
 //! Ground where people stand: the walls of the room, its doors, and the ground that walls leave.
 
-use crate::error::{Of, Result, ScenarioError, impossible, require};
+use crate::error::{Of, Result, ScenarioError, fits, impossible, require};
 use crate::forms::{Pair, RegionForm};
-use crate::leave::no_way_out;
+use crate::leave::NO_WAY_OUT;
 use crate::{Scenario, WALLS};
 use lemons_core::files::source::Source as Files;
 use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
@@ -63,18 +63,44 @@ impl Place {
         if self.is_plane() { packing.poses.len() as f64 / packing.density } else { self.area() }
     }
 
+    /// Refuses doors by which people would walk into a pillar, and notes those in which they may get stuck.
+    fn check_doors(&mut self, uncut: &Geometry, closed: &[Ring]) -> Result<()> {
+        let free = || self.grounds.iter().map(|ground| &ground.free);
+        for (number, door) in self.doors.iter().enumerate() {
+            if let Some(Wall { id, .. }) = door.wall(uncut)
+                && free().any(|free| free.obstacles.contains(id))
+                && !free().any(|free| free.rooms.contains(id))
+            {
+                let ([x, y], width): ([f64; 2], f64) = (door.at.into(), door.width);
+                return Err(impossible(format!(
+                    "`doors` {x},{y},{width}: the nearest closed wall is {id}, an obstacle: nobody stands inside it; {DOORS}"
+                )));
+            }
+            if door.width < NARROW {
+                self.notes.push(format!(
+                    "note: `doors`: door {number} is {} m wide: people are about {NARROW} m broad, and may get stuck",
+                    (door.width * 1e6).round() / 1e6
+                ));
+            }
+            // A corner lies between the ends of the gap.
+            if door.course(closed).len() > 2 {
+                self.notes.push(format!(
+                    "note: `doors`: door {number} goes round a corner of its wall, because the corner is nearer than half \
+                     the width"
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Returns the area of all grounds \[m²\].
     pub fn area(&self) -> f64 {
         self.grounds.iter().map(|ground| ground.free.region.area()).sum()
     }
 }
 
-/// Walls without doors, and what they enclose.
-struct Walls {
-    geometry: Geometry,
-    whole: Result<Region, PeopleError>,
-    name: String,
-}
+/// Walls without doors, what they enclose, and what they are called.
+type Walls = (Geometry, Result<Region, PeopleError>, String);
 
 impl Scenario {
     /// Reads the drawing of the room, if it is one.
@@ -84,33 +110,33 @@ impl Scenario {
     pub fn drawn(&self, files: &dyn Files) -> Result<Option<Read>> {
         let Some((path, format)) = self.geometry.as_ref().and_then(|path| Some((path, Format::of(path)?)))
         else {
-            let usual = self.drawing == crate::DrawingForm::default();
-            return match usual {
-                true => Ok(None),
-                false => Err(ScenarioError::Misused(
-                    "`drawing` is for drawings: `geometry` FILE.dxf, .geojson, .wkt or .svg".into(),
-                )),
-            };
+            let usual = Scenario::default();
+            let keys = toml::Table::try_from(&self.drawing).unwrap_or_default().into_iter();
+            let mut keys = keys.map(|(key, _)| format!("drawing.{key}"));
+            let given = keys.find(|key| self.differs(&usual, key));
+            return given.map_or(Ok(None), |key| {
+                let drawings = "`geometry` FILE.dxf, .geojson, .wkt or .svg";
+                Err(ScenarioError::Misused(format!("`{key}` is for drawings: {drawings}")))
+            });
         };
-        let named = || path.display().to_string();
+        let named = path.display();
         let bytes = files.read(path, LARGEST_DRAWING);
-        let bytes = bytes.map_err(|error| impossible(format!("{}: {error}", named())))?;
+        let bytes = bytes.map_err(|error| impossible(format!("{named}: {error}")))?;
         Read::of(format, &bytes, &self.drawing.reading(), &self.drawing.settings()).of(named).map(Some)
     }
 
     fn walls(&self, files: &dyn Files, drawn: Option<&Read>, notes: &mut Vec<String>) -> Result<Walls> {
         if let Some(Pair([width, height])) = self.sides {
-            let region = Region::rectangle(Vec2::zeros(), vec2(width, height)).of(|| "`box`".into())?;
+            let region = Region::rectangle(Vec2::zeros(), vec2(width, height)).of("`box`")?;
             let name = format!("a box of {width} m x {height} m");
-            return Ok(Walls { geometry: walls(region.rings(), WALLS), name, whole: Ok(region) });
+            return Ok((walls(region.rings(), WALLS), Ok(region), name));
         }
         if let Some(room) = &self.room {
-            let (whole, geometry) = room.uncut(WALLS).of(|| "`room`".into())?;
-            return Ok(Walls { geometry, name: "the room".into(), whole: Ok(whole) });
+            let (whole, geometry) = room.uncut(WALLS).of("`room`")?;
+            return Ok((geometry, Ok(whole), "the room".into()));
         }
         let Some(path) = &self.geometry else {
-            let whole = Ok(Region::plane());
-            return Ok(Walls { geometry: walls(&[], ""), name: "the open".into(), whole });
+            return Ok((walls(&[], ""), Ok(Region::plane()), "the open".into()));
         };
         let geometry = match drawn {
             Some(read) => read.plan.geometry(WALLS),
@@ -121,7 +147,7 @@ impl Scenario {
             }
         };
         let whole = Region::from_walls(&geometry);
-        Ok(Walls { geometry, name: path.display().to_string(), whole })
+        Ok((geometry, whole, path.display().to_string()))
     }
 
     /// Returns where people stand. `drawn` is what [`drawn`](Scenario::drawn) returned.
@@ -130,7 +156,7 @@ impl Scenario {
     /// Walls do not bound a region, a region has no ground, or a door is not at a wall.
     pub fn place(&self, files: &dyn Files, mut drawn: Option<Read>) -> Result<Place> {
         let mut notes = Vec::new();
-        let Walls { geometry, whole, name } = self.walls(files, drawn.as_ref(), &mut notes)?;
+        let (geometry, whole, name) = self.walls(files, drawn.as_ref(), &mut notes)?;
         let regions = self.regions_of(drawn.as_ref(), &mut notes)?;
         if let Some(doubt) =
             drawn.as_ref().and_then(|drawn| drawn.doubt.as_ref()).filter(|_| regions.is_empty())
@@ -140,21 +166,17 @@ impl Scenario {
                  and the options that take it; `regions` says where people stand in the walls as they are drawn"
             )));
         }
-        let of_room = || match self.room {
-            Some(_) => "`room`".to_owned(),
-            None => format!("`geometry` {name}"),
-        };
+        let of_room = if self.room.is_some() { "`room`".to_owned() } else { format!("`geometry` {name}") };
         // A drawing has open walls, too.
         let outline = drawn.as_ref().and_then(|drawn| Some(&drawn.plan.walls[drawn.plan.outline?]));
         let grounds = if let (Some(outline), Err(_), true) = (outline, &whole, regions.is_empty()) {
-            let free = Region::free_space(outline, &geometry, &[]).of(of_room)?;
+            let free = Region::free_space(outline, &geometry, &[]).of(&of_room)?;
             vec![Ground { free, name: name.clone(), amount: (None, None) }]
         } else if regions.is_empty() {
-            let region = whole.map_err(|error| match error {
-                PeopleError::OpenWall { .. } => {
-                    impossible(format!("{}: {error}; {}", of_room(), self.advice(&geometry)))
-                }
-                error => impossible(format!("{}: {error}", of_room())),
+            let region = whole.map_err(|error| {
+                let open = matches!(error, PeopleError::OpenWall { .. });
+                let advice = if open { format!("; {}", self.advice(&geometry)) } else { String::new() };
+                impossible(format!("{of_room}: {error}{advice}"))
             })?;
             // All walls are closed; the others are within the outline.
             let is_outline = |wall: &Wall| Bounds::of(wall.corners.iter().copied()) == region.bounds();
@@ -170,28 +192,24 @@ impl Scenario {
         };
         let has_regions = !regions.is_empty();
         let doors = self.all_doors(drawn.as_mut());
-        let exits = self.decision.exits.as_ref().map_or(0, Vec::len);
         let drawn_exits = drawn.as_ref().map_or(0, |drawn| drawn.plan.exits.len());
-        if self.leave && doors.len() + exits + drawn_exits == 0 {
-            return Err(no_way_out());
-        }
+        fits(self.ways_out() + doors.len() + drawn_exits > 0, || NO_WAY_OUT.into())?;
         if let Some(room) = &self.room {
             let within = grounds.iter().all(|ground| !has_regions || !ground.free.rooms.is_empty());
             require(within, || "`regions`: more than half of one lies outside the room".into())?;
-            let (named, lines) = (|| "`room`".to_owned(), room.lines().of(|| "`room`".into())?);
-            let geometry = Room { doors: doors.clone(), ..room.clone() }.with_doors(geometry).of(named)?;
+            let lines = room.lines().of("`room`")?;
+            let geometry = Room { doors: doors.clone(), ..room.clone() }.with_doors(geometry).of("`room`")?;
             return Ok(Place { grounds, geometry, lines, name, has_regions, drawn, doors, notes });
         }
         let closed = closed_walls(&geometry);
-        if !doors.is_empty() && closed.is_empty() {
-            return Err(ScenarioError::Misused(format!(
-                "`doors`: there is no closed wall in {name}: {DOORS}"
-            )));
-        }
-        let cut = cut_doors(geometry.clone(), &doors).of(|| "`doors`".into())?;
-        check_doors(&doors, &grounds, &geometry, &closed, &mut notes)?;
+        fits(doors.is_empty() || !closed.is_empty(), || {
+            format!("`doors`: there is no closed wall in {name}: {DOORS}")
+        })?;
+        let cut = cut_doors(geometry.clone(), &doors).of("`doors`")?;
         let lines = closed.iter().map(|ring| ring.closed().to_vec()).collect();
-        Ok(Place { grounds, geometry: cut, lines, name, has_regions, drawn, doors, notes })
+        let mut place = Place { grounds, geometry: cut, lines, name, has_regions, drawn, doors, notes };
+        place.check_doors(&geometry, &closed)?;
+        Ok(place)
     }
 
     /// The doors that were given, and those for the exits of a drawing that lie on its walls.
@@ -244,45 +262,9 @@ fn grounds(regions: &[RegionForm], geometry: &Geometry, place: &str) -> Result<V
     let mut grounds = Vec::new();
     for (k, region) in regions.iter().enumerate() {
         let (name, corners) = (format!("region {k} of {place}"), region.corners());
-        let free = Region::free_space(&corners, geometry, &drawn).of(|| format!("`regions`: {name}"))?;
-        drawn.push(Region::polygon(&corners, &[]).of(|| "`regions`".into())?);
+        let free = Region::free_space(&corners, geometry, &drawn).of(format_args!("`regions`: {name}"))?;
+        drawn.push(Region::polygon(&corners, &[]).of("`regions`")?);
         grounds.push(Ground { free, name, amount: (region.number, region.density) });
     }
     Ok(grounds)
-}
-
-/// Refuses doors by which people would walk into a pillar, and notes those in which they may get stuck.
-fn check_doors(
-    doors: &[Door],
-    grounds: &[Ground],
-    uncut: &Geometry,
-    closed: &[Ring],
-    notes: &mut Vec<String>,
-) -> Result<()> {
-    let free = || grounds.iter().map(|ground| &ground.free);
-    for (number, door) in doors.iter().enumerate() {
-        if let Some(Wall { id, .. }) = door.wall(uncut)
-            && free().any(|free| free.obstacles.contains(id))
-            && !free().any(|free| free.rooms.contains(id))
-        {
-            let ([x, y], width): ([f64; 2], f64) = (door.at.into(), door.width);
-            return Err(impossible(format!(
-                "`doors` {x},{y},{width}: the nearest closed wall is {id}, an obstacle: nobody stands inside it; {DOORS}"
-            )));
-        }
-        if door.width < NARROW {
-            notes.push(format!(
-                "note: `doors`: door {number} is {} m wide: people are about {NARROW} m broad, and may get stuck",
-                (door.width * 1e6).round() / 1e6
-            ));
-        }
-        // A corner lies between the ends of the gap.
-        if door.course(closed).len() > 2 {
-            notes.push(format!(
-                "note: `doors`: door {number} goes round a corner of its wall, because the corner is nearer than half \
-                 the width"
-            ));
-        }
-    }
-    Ok(())
 }

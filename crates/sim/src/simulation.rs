@@ -5,10 +5,9 @@ use crate::settings::Named;
 use crowd_mechanics::engine::{FaceExposure, World, Wrench, vec2};
 use crowd_mechanics::model::{CrowdModel, Saved as SavedCrowd};
 use crowd_mechanics::quantities::Quantity;
-use lemons_core::plane::{Motion, Vec2};
-use lemons_core::trial::{DriveTable, Trial};
+use lemons_core::plane::Motion;
+use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
 use lemons_decision::decision::{Act, Saved as SavedDecision, Stance};
-use lemons_decision::rule::Pose as SeenPose;
 use lemons_decision::{Decision, Plan};
 use lemons_fmi::{Model, Phase, Refusal, Step, StepError, fingerprint};
 use lemons_results::{Frame, OfLegs, OfStep, OfWall, Totals};
@@ -212,7 +211,7 @@ impl Simulation {
         self.adds = crowd.number(Quantity::PlayDrive, 0)? != 0.0;
         if let Some(Named { model: decision, .. }) = &mut self.decision {
             decision.initialize(start)?;
-            decision.see(crowd.trial().dynamics.iter().map(|own| seen(&own.motion())));
+            decision.see(crowd.trial().dynamics.iter().map(AgentDynamics::motion));
             self.acts = decision.acts()?;
             self.drive_crowd(Phase::Initialization);
         }
@@ -429,7 +428,7 @@ impl Simulation {
             (Part::Crowd, Exchange::Step, _) => self.crowd.model.advance(step)?,
             (Part::Crowd, Exchange::GetOutputs, _) | (Part::Decision, _, None) => {}
             (Part::Decision, Exchange::SetInputs, Some(Named { model, .. })) => {
-                model.see(self.crowd.model.world().into_iter().flat_map(motions).map(|motion| seen(&motion)));
+                model.see(self.crowd.model.world().into_iter().flat_map(motions));
             }
             (Part::Decision, Exchange::Step, Some(decision)) => decision.model.pass(step.length)?,
             (Part::Decision, Exchange::GetOutputs, Some(decision)) => self.acts = decision.model.acts()?,
@@ -449,10 +448,4 @@ enum Part {
 fn motions(world: &World) -> impl Iterator<Item = Motion> {
     let state = world.state();
     state.poses.iter().zip(&state.twists).map(|(pose, twist)| Motion { pose: *pose, twist: *twist })
-}
-
-/// Returns what Decision sees of somebody.
-fn seen(Motion { pose, twist }: &Motion) -> (SeenPose, Vec2) {
-    let [x, y] = pose.position.into();
-    (SeenPose { x, y, theta: pose.orientation }, twist.velocity)
 }

@@ -5,13 +5,13 @@ use crate::measure::balance::OfBalance;
 use crate::measure::output::{OfOutput, Statistics};
 use crate::measure::places::{InArea, OverLine, Places};
 use crate::measure::squeeze::OfSqueeze;
-use crate::measure::{Across, Kind, Measure};
+use crate::measure::{Kind, Measure, check_across};
 use crate::output::{Reading, Stop, agents_named};
 use crate::spec::Spec;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;
 use lemons_results::Frame;
-use lemons_results::measure::{Balance, Density, Exposure, MeasuringArea, Passages, squeeze, squeeze_by};
+use lemons_results::measure::{Balance, Density, Exposure, MeasuringArea, Passages};
 use lemons_sim::Simulation;
 use std::collections::HashMap;
 
@@ -53,6 +53,10 @@ impl<'a> Accumulators<'a> {
         point: usize,
     ) -> Result<Accumulators<'a>> {
         let (places, people) = (&spec.places, trial.agents.len());
+        let agents = |ids: &[String], across| {
+            let agents = agents_named(trial, ids)?;
+            check_across(across, agents.len()).map(|()| agents)
+        };
         let begin = |measure: &'a Measure| -> Result<Accumulator<'a>, String> {
             Ok(match &measure.kind {
                 Kind::Output(of) => {
@@ -67,15 +71,10 @@ impl<'a> Accumulators<'a> {
                 }
                 Kind::Area(of) => Accumulator::Area(of, places.area(&of.area)?, Vec::new()),
                 Kind::Squeeze(of) => {
-                    let agents = agents_named(trial, &of.agents)?;
-                    of.check(agents.len())?;
-                    let exposure = of.begin(agents.len());
-                    Accumulator::Squeeze(of, agents, exposure)
+                    Accumulator::Squeeze(of, agents(&of.agents, of.across)?, of.begin(people))
                 }
                 Kind::Balance(of) => {
-                    let agents = agents_named(trial, &of.agents)?;
-                    Across::check(of.across, agents.len())?;
-                    Accumulator::Balance(of, agents, Balance::of(people))
+                    Accumulator::Balance(of, agents(&of.agents, of.across)?, Balance::of(people))
                 }
             })
         };
@@ -115,13 +114,7 @@ impl<'a> Accumulators<'a> {
                 Accumulator::Area(of, ..) if of.needs_room() => kept = true,
                 Accumulator::Area(_, area, seen) => seen.push(area.measure(&frame, None)),
                 Accumulator::Balance(_, _, balance) => balance.add(&frame),
-                Accumulator::Squeeze(of, agents, exposure) => {
-                    let of_agent = |agent: &usize| match of.by {
-                        None => squeeze(&frame, *agent),
-                        Some(by) => squeeze_by(&frame, *agent, by),
-                    };
-                    exposure.add(time, agents.iter().map(of_agent));
-                }
+                Accumulator::Squeeze(of, _, exposure) => exposure.see(&frame, of.by),
             }
         }
         if self.needs_room {
@@ -154,7 +147,7 @@ impl<'a> Accumulators<'a> {
                 of.value(seen.iter().filter(|seen| measure.counts(seen.time)))
             }
             Accumulator::Area(of, _, seen) => of.value(seen.iter()),
-            Accumulator::Squeeze(of, _, exposure) => of.value(exposure),
+            Accumulator::Squeeze(of, agents, exposure) => of.value(&agents, &exposure),
             Accumulator::Balance(of, agents, balance) => of.value(&agents, balance),
         });
         Ok(values.collect())

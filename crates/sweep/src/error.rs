@@ -25,6 +25,9 @@ pub enum Error {
     /// What `sweep.toml` or its table of points says is not possible: key, value and why.
     #[error("{0}")]
     Spec(String),
+    /// A crowd is impossible.
+    #[error(transparent)]
+    Scenario(#[from] lemons_scenario::ScenarioError),
     /// A file cannot be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),

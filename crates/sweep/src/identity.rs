@@ -1,6 +1,6 @@
 //! What must be equal to continue a sweep.
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::models::Models;
 use crate::points::Points;
 use crate::spec::Spec;
@@ -43,8 +43,7 @@ pub fn of_documents(documents: &Documents, algorithm: Algorithm, step: f64) -> R
     let fingerprint = format!("{:032x}", trial.fingerprint());
     all.insert("trial".into(), json!({ "name": trial.name, "fingerprint": fingerprint }));
     if let Some(plan) = plan {
-        let text = plan.to_toml().map_err(|error| Error::Spec(error.to_string()))?;
-        all.insert("plan".into(), Sha1::from(text).digest().to_string().into());
+        all.insert("plan".into(), format!("{:032x}", plan.fingerprint).into());
         all.insert("algorithm".into(), algorithm.to_string().into());
     }
     all.insert("drive".into(), drive.fingerprint().into());

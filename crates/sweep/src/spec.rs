@@ -390,6 +390,7 @@ mod tests {
             ),
             (measure, "squeeze = 'peak', from = '2'", "in `from`"),
             (measure, "squeeze = 'time_above'", "squeeze = \"time_above\" needs a level"),
+            (measure, "balance = 'mood'", "must be one of falls, lean, steps, time_unbalanced"),
         ] {
             assert!(GOOD.contains(part));
             let said = read(&GOOD.replace(part, to)).unwrap_err();

@@ -18,6 +18,19 @@ pub fn trial_door() -> PathBuf {
     repository().join("resources/Trial_door")
 }
 
+/// Scenarios: their names, and the files.
+///
+/// # Panics
+/// There are few, or they cannot be found.
+pub fn scenarios() -> Vec<(String, PathBuf)> {
+    let files = std::fs::read_dir(repository().join("crates/scenario/tests/crowds")).expect("scenarios");
+    let named = |path: PathBuf| (path.file_stem().expect("a name").to_string_lossy().into_owned(), path);
+    let mut all: Vec<_> = files.map(|file| named(file.expect("a scenario").path())).collect();
+    all.sort();
+    assert!(all.len() >= 20, "{all:?}");
+    all
+}
+
 /// A file or directory of the data that are beside the repository. `None`, with a message for the test's output, if it
 /// is not there: the test is skipped then.
 pub fn shared(part: &str) -> Option<PathBuf> {

@@ -251,6 +251,18 @@ mod tests {
         }
     }
 
+    /// A body alone moves as in the engine, whatever drives it.
+    #[test]
+    fn the_bare_loop_flies_as_the_engine_does() {
+        let mut world = world(&[pedestrian(80.0, RATE)], &[], BODIES, 1e-2);
+        world.drive[0] = Wrench { force: vec2(160.0, 80.0), torque: 0.0 };
+        let mut bare = BareCrowd::of(&world, 0.0);
+        world.advance(1.0).unwrap();
+        assert_eq!(bare.advance(100), 0);
+        let (place, bare) = (world.state().poses[0].position, bare.positions().next().unwrap());
+        assert!(place.norm() > 0.2 && (bare - place).norm() < 1e-9, "{bare} {place}");
+    }
+
     /// Crowds are what they are called, and they cost the work that they should; counts, never times.
     #[test]
     fn crowds_are_what_they_are_called() {

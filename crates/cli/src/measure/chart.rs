@@ -1,7 +1,8 @@
 //! The picture of a measurement: everything over time.
 
 use super::Arguments;
-use super::pass::{OVER, QUANTILES, Seen};
+use super::pass::{OVER, QUANTILES};
+use super::summary::Summary;
 use super::tables::directions;
 use lemons_picture::{Chart, ChartPanel, ChartStyle, Line, chart_svg};
 use lemons_results::measure::{Density, Passage, windows};
@@ -10,7 +11,7 @@ use lemons_results::measure::{Density, Passage, windows};
 pub const WIDTH: u32 = 800;
 
 /// Returns it as SVG. A panel without anything to show is left out.
-pub fn svg(arguments: &Arguments, seen: &Seen<'_>) -> String {
+pub fn svg(arguments: &Arguments, summary: &Summary) -> String {
     // Lines with the same name share a colour in all panels.
     let mut names: Vec<String> = Vec::new();
     let mut line = |name: String, points: Vec<(f64, f64)>| {
@@ -20,9 +21,9 @@ pub fn svg(arguments: &Arguments, seen: &Seen<'_>) -> String {
         }
         Line { name, points, group, dashed: false }
     };
-    let (from, until) = seen.times;
+    let Summary { from, until, .. } = *summary;
     // A direction in which nobody crosses is left out.
-    let crossed = directions(seen).filter(|(.., passages)| !passages.is_empty());
+    let crossed = directions(summary).filter(|(.., passages)| !passages.is_empty());
     let crossed: Vec<(String, Vec<Passage>)> = crossed
         .map(|(of, way, passages)| (format!("{}, to the {}", of.name, way.name()), passages))
         .collect();
@@ -39,7 +40,7 @@ pub fn svg(arguments: &Arguments, seen: &Seen<'_>) -> String {
     });
     let flows = flows.collect();
     let mut over = |value: fn(&Density) -> Option<f64>| -> Vec<Line> {
-        let lines = seen.areas.iter().map(|area| {
+        let lines = summary.areas.iter().map(|area| {
             let points = area.over_time.iter().map(|seen| (seen.time, value(seen).unwrap_or(f64::NAN)));
             line(format!("area {}", area.name), points.collect())
         });
@@ -52,7 +53,7 @@ pub fn svg(arguments: &Arguments, seen: &Seen<'_>) -> String {
             1.0 => "greatest".to_owned(),
             part => format!("{} %", 100.0 * part),
         };
-        line(name, seen.spread.iter().map(|(time, at)| (*time, at[k])).collect())
+        line(name, summary.spread.iter().map(|(time, at)| (*time, at[k])).collect())
     });
     let panels: [(String, Vec<Line>); 5] = [
         ("people across".to_owned(), counts),

@@ -1,13 +1,16 @@
 //! All numbers of a measurement that do not depend on time: what is printed, and what is written as JSON.
 
-use super::Arguments;
-use super::pass::{Seen, SeenArea, SeenLine};
+use super::options::Named;
+use super::pass::QUANTILES;
 use lemons_core::trial::Wall;
-use lemons_results::measure::{Crossings, Density, Exposed, Kept, Left, MeanMax, SPANS, Way, quantile};
-use lemons_results::{Record, Trajectories};
+use lemons_results::Trajectories;
+use lemons_results::measure::{
+    Across, Crossings, Density, Exposed, Exposure, Kept, Left, Line, MeanMax, MeasuringArea, Passages, SPANS,
+    Way,
+};
 use serde::Serialize;
 
-/// SI units; null: not known.
+/// SI units; null: not known. What tables and pictures have of each frame and person is beside it, and not in the JSON.
 #[derive(Serialize)]
 pub struct Summary {
     pub source: String,
@@ -32,6 +35,9 @@ pub struct Summary {
     pub balance: Option<OfBalance>,
     /// What the squeezes can mean, and what not.
     pub notes: Vec<String>,
+    /// \[s\], \[N\] Of the mean squeezes of all people over the second that ends then: those of [`QUANTILES`].
+    #[serde(skip)]
+    pub spread: Vec<(f64, [f64; QUANTILES.len()])>,
 }
 
 /// What is known of trajectories that are not of our runs.
@@ -46,7 +52,7 @@ pub struct OfTrajectories {
 }
 
 impl OfTrajectories {
-    fn of(known: &Trajectories) -> OfTrajectories {
+    pub fn of(known: &Trajectories) -> OfTrajectories {
         let Trajectories { rate, velocity_frames, .. } = known;
         OfTrajectories {
             frame_rate: *rate,
@@ -65,7 +71,23 @@ pub struct OfLine {
     pub to: [f64; 2],
     /// \[m\] For the specific flow.
     pub width: f64,
-    pub directions: Vec<Crossings>,
+    pub directions: [Crossings; 2],
+    #[serde(skip)]
+    pub passages: Passages,
+}
+
+impl OfLine {
+    pub fn of(
+        Named { name, what }: &Named<Line>,
+        width: Option<f64>,
+        passages: Passages,
+        people: usize,
+    ) -> OfLine {
+        let width = width.unwrap_or(what.length());
+        let directions = Way::ALL.map(|way| Crossings::of(&passages, way, width, people));
+        let (name, [from, to]) = (name.clone(), [what.from, what.to].map(Into::into));
+        OfLine { name, from, to, width, directions, passages }
+    }
 }
 
 #[derive(Serialize)]
@@ -81,6 +103,23 @@ pub struct OfArea {
     pub voronoi_density: Option<MeanMax>,
     /// \[m/s\] Of the frames with anybody.
     pub speed: Option<MeanMax>,
+    #[serde(skip)]
+    pub over_time: Vec<Density>,
+}
+
+impl OfArea {
+    pub fn of(Named { name, what }: &Named<MeasuringArea>, over_time: Vec<Density>) -> OfArea {
+        let of = |value: fn(&Density) -> Option<f64>| MeanMax::of(over_time.iter().filter_map(value));
+        OfArea {
+            name: name.clone(),
+            area: what.area(),
+            people: of(|seen| Some(seen.people as f64)).unwrap_or_default(),
+            density: of(|seen| Some(seen.density)).unwrap_or_default(),
+            voronoi_density: of(|seen| seen.voronoi_density),
+            speed: of(|seen| seen.speed),
+            over_time,
+        }
+    }
 }
 
 /// A straight piece of a wall, and the forces of people on it.
@@ -105,16 +144,11 @@ pub struct Piece {
 }
 
 impl Piece {
-    fn of(
-        segment: usize,
-        (wall, place): (&Wall, usize),
-        (seen, largest_mean_step): &(Exposed, f64),
-    ) -> Piece {
+    pub fn of(segment: usize, (wall, place): (&Wall, usize), seen: &Exposed) -> Piece {
         let [from, to] = [wall.corners[place], wall.corners[place + 1]].map(Into::into);
-        let [_, largest_mean_1, _] = seen.largest_mean;
-        let (wall, largest_mean_step) = (wall.id.clone(), *largest_mean_step);
-        let (peak, impulse) = (seen.peak, seen.impulse);
-        Piece { segment, wall, from, to, largest_mean_step, largest_mean_1, peak, impulse }
+        let Exposed { largest_step, largest_mean: [_, largest_mean_1, _], peak, impulse, .. } = *seen;
+        let wall = wall.id.clone();
+        Piece { segment, wall, from, to, largest_mean_step: largest_step, largest_mean_1, peak, impulse }
     }
 }
 
@@ -128,17 +162,19 @@ pub struct OfBalance {
     pub time_unbalanced: OfPeople,
     /// \[m\] The largest of each person.
     pub lean: OfPeople,
+    #[serde(skip)]
+    pub each: Vec<Kept>,
 }
 
 impl OfBalance {
     /// `None` without people.
-    fn of(kept: &[Kept], ids: &[String]) -> Option<OfBalance> {
-        let of = |value: fn(&Kept) -> f64| OfPeople::of(&kept.iter().map(value).collect::<Vec<_>>(), ids);
+    pub fn of(each: Vec<Kept>, ids: &[String]) -> Option<OfBalance> {
         Some(OfBalance {
-            fallen: kept.iter().filter(|one| one.fallen).count(),
-            steps: kept.iter().map(|one| u64::from(one.steps)).sum(),
-            time_unbalanced: of(|one| one.time_unbalanced)?,
-            lean: of(|one| one.lean)?,
+            fallen: each.iter().filter(|one| one.falls > 0).count(),
+            steps: each.iter().map(|one| u64::from(one.steps)).sum(),
+            time_unbalanced: OfPeople::of(&each, ids, |one| Some(one.time_unbalanced))?,
+            lean: OfPeople::of(&each, ids, |one| Some(one.lean))?,
+            each,
         })
     }
 }
@@ -159,6 +195,8 @@ pub struct OfSqueeze {
     pub by_people: Option<OfPart>,
     /// The parts by walls.
     pub by_walls: Option<OfPart>,
+    #[serde(skip)]
+    pub each: Vec<Exposed>,
 }
 
 /// The squeeze by people or by walls alone. The means of the two may be greatest at different times.
@@ -167,6 +205,8 @@ pub struct OfPart {
     pub largest_mean: Vec<OfSpan>,
     /// \[N s\]
     pub impulse: OfPeople,
+    #[serde(skip)]
+    pub each: Vec<Exposed>,
 }
 
 #[derive(Serialize)]
@@ -201,117 +241,62 @@ pub struct OfPeople {
     pub max_id: String,
 }
 
-impl Summary {
-    /// Sums up what was seen of the people of a record.
-    pub fn of(
-        arguments: &Arguments,
-        record: &Record,
-        pieces: Vec<(&Wall, usize)>,
-        seen: &Seen<'_>,
-    ) -> Summary {
-        let ids = record.ids();
-        let of_walls = |walls: &Vec<(Exposed, f64)>| {
-            let each = (0..).zip(pieces).zip(walls);
-            each.map(|((segment, piece), seen)| Piece::of(segment, piece, seen)).collect()
-        };
-        let exposed = seen.exposed.as_deref();
-        let line = |SeenLine { name, width, passages }: &SeenLine<'_>| {
-            let directions = Way::ALL.map(|way| Crossings::of(passages, way, *width, ids.len())).into();
-            let [from, to] = [passages.line().from, passages.line().to].map(Into::into);
-            OfLine { name: (*name).to_owned(), from, to, width: *width, directions }
-        };
-        Summary {
-            source: arguments.source.path.display().to_string(),
-            from: seen.times.0,
-            until: seen.times.1,
-            frames: seen.frames,
-            people: ids.len(),
-            trajectories: record.trajectories().map(OfTrajectories::of),
-            left: seen.left,
-            lines: seen.lines.iter().map(line).collect(),
-            areas: seen.areas.iter().map(area).collect(),
-            exposure: exposed.ok().and_then(|all| OfSqueeze::of(all, ids, arguments, seen)),
-            exposure_left_out: exposed.err().copied(),
-            walls: seen.walls.as_ref().map(of_walls),
-            balance: seen.balance.as_ref().and_then(|kept| OfBalance::of(kept, ids)),
-            notes: Vec::new(),
-        }
-    }
-}
-
-fn area(SeenArea { name, area, over_time }: &SeenArea<'_>) -> OfArea {
-    let of = |value: fn(&Density) -> f64| MeanMax::of(over_time.iter().map(value)).unwrap_or_default();
-    OfArea {
-        name: (*name).to_owned(),
-        area: area.area(),
-        people: of(|seen| seen.people as f64),
-        density: of(|seen| seen.density),
-        voronoi_density: MeanMax::of(over_time.iter().filter_map(|seen| seen.voronoi_density)),
-        speed: MeanMax::of(over_time.iter().filter_map(|seen| seen.speed)),
-    }
-}
-
 impl OfSqueeze {
-    /// `None` without people.
-    fn of(
-        exposed: &[Exposed],
+    /// Sums up who was squeezed how much, in all and by each of [`By::ALL`](lemons_results::measure::By); `None` without
+    /// people.
+    ///
+    /// # Errors
+    /// Why it is not known.
+    pub fn of(
+        seen: &Exposure,
+        parts: &[Exposure; 2],
+        (levels, over): (&[f64], Option<f64>),
         ids: &[String],
-        Arguments { above, over, .. }: &Arguments,
-        seen: &Seen<'_>,
-    ) -> Option<OfSqueeze> {
-        let of = |value: &dyn Fn(&Exposed) -> Option<f64>| spread(exposed, ids, value);
+    ) -> Result<Option<OfSqueeze>, &'static str> {
+        let each = seen.finish()?;
         let level = |(k, &above): (usize, &f64)| {
-            let first = exposed.iter().filter_map(|one| one.above[k]?.first);
-            let time = of(&|one| one.above[k].map(|above| above.time));
+            let first = each.iter().filter_map(|one| one.above[k]?.first);
+            let time = OfPeople::of(&each, ids, |one| Some(one.above[k]?.time));
             let people = time.as_ref().map(|_| first.clone().count());
-            let longest = of(&|one| one.above[k].map(|above| above.longest));
+            let longest = OfPeople::of(&each, ids, |one| Some(one.above[k]?.longest));
             OfLevel { above, people, time, longest, first: first.reduce(f64::min) }
         };
-        let [by_people, by_walls] = match &seen.exposed_by {
-            Some(parts) => parts.each_ref().map(|part| OfPart::of(part, ids)),
-            None => [None, None],
-        };
-        Some(OfSqueeze {
-            longest_step: seen.longest_step,
-            above_over: *over,
-            time_above: above.iter().enumerate().map(level).collect(),
-            largest_mean: spans(exposed, ids),
-            peak: of(&|one| Some(one.peak))?,
-            impulse: of(&|one| Some(one.impulse))?,
+        let time_above = levels.iter().enumerate().map(level).collect();
+        let part = |seen: &Exposure| OfPart::of(seen.finish().ok()?, ids);
+        let ([by_people, by_walls], whole) = (parts.each_ref().map(part), OfPart::of(each.clone(), ids));
+        let peak = OfPeople::of(&each, ids, |one| Some(one.peak));
+        Ok(whole.zip(peak).map(|(OfPart { largest_mean, impulse, .. }, peak)| OfSqueeze {
+            longest_step: seen.longest_step(),
+            above_over: over,
+            time_above,
+            largest_mean,
+            peak,
+            impulse,
             by_people,
             by_walls,
-        })
+            each,
+        }))
     }
 }
 
 impl OfPart {
-    fn of(exposed: &[Exposed], ids: &[String]) -> Option<OfPart> {
-        let impulse = spread(exposed, ids, &|one| Some(one.impulse))?;
-        Some(OfPart { largest_mean: spans(exposed, ids), impulse })
+    fn of(each: Vec<Exposed>, ids: &[String]) -> Option<OfPart> {
+        let span = |(k, over)| OfSpan { over, mean: OfPeople::of(&each, ids, |one| one.largest_mean[k]) };
+        let largest_mean = SPANS.into_iter().enumerate().map(span).collect();
+        Some(OfPart { largest_mean, impulse: OfPeople::of(&each, ids, |one| Some(one.impulse))?, each })
     }
 }
 
-/// The greatest means over each of the spans.
-fn spans(exposed: &[Exposed], ids: &[String]) -> Vec<OfSpan> {
-    let span = |(k, over)| OfSpan { over, mean: spread(exposed, ids, &|one| one.largest_mean[k]) };
-    SPANS.into_iter().enumerate().map(span).collect()
-}
-
-/// How a number is spread over people; `None` if it is not known of somebody.
-fn spread(exposed: &[Exposed], ids: &[String], value: &dyn Fn(&Exposed) -> Option<f64>) -> Option<OfPeople> {
-    let values: Option<Vec<f64>> = exposed.iter().map(value).collect();
-    OfPeople::of(&values?, ids)
-}
-
 impl OfPeople {
-    fn of(values: &[f64], ids: &[String]) -> Option<OfPeople> {
+    /// `None` if the number is not known of somebody, or without people.
+    fn of<T>(each: &[T], ids: &[String], number: impl Fn(&T) -> Option<f64>) -> Option<OfPeople> {
+        let values: Vec<f64> = each.iter().map(number).collect::<Option<_>>()?;
         // The first of several.
         let most = (0..values.len()).reduce(|a, b| if values[b] > values[a] { b } else { a })?;
-        let mut sorted = values.to_vec();
-        sorted.sort_by(f64::total_cmp);
+        let of = |across: Across| across.of(values.iter().copied());
         Some(OfPeople {
-            median: quantile(&sorted, 0.5)?,
-            quantile_90: quantile(&sorted, 0.9)?,
+            median: of(Across::Median)?,
+            quantile_90: of(Across::Quantile90)?,
             max: values[most],
             max_id: ids[most].clone(),
         })

@@ -156,7 +156,7 @@ fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
 }
 
 fn of_balance(out: &mut impl Write, balance: &OfBalance, people: usize) -> Result<()> {
-    let OfBalance { fallen, steps, time_unbalanced, lean } = balance;
+    let OfBalance { fallen, steps, time_unbalanced, lean, .. } = balance;
     let noun = if *steps == 1 { "step" } else { "steps" };
     writeln!(
         out,

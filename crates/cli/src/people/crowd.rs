@@ -7,7 +7,7 @@ use super::placing::{PlacingArguments, manner, placed, say_drawn};
 use super::regions::{REGION_HELP, described};
 use super::room::{explained, marks};
 use super::source::{CUSTOM_HELP, SourceArguments};
-use super::{line, read};
+use super::{line, ranged, read};
 use crate::binary::CROWD;
 use crate::error::{Misused, TrialHasErrors, and_then};
 use crate::files;
@@ -16,19 +16,20 @@ use crate::numbers::within;
 use crate::pack::{Fmi, FmuArguments, write_fmu};
 use crate::print;
 use anyhow::{Context, Result, anyhow, bail};
+use clap::Args as _;
 use crowd_mechanics::pack::Binary;
 use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
 use lemons_core::files::source::{Disk, Memory};
 use lemons_core::plane::Pose;
-use lemons_core::trial::{DRIVE_FILE, FileNames, Trial};
+use lemons_core::trial::{DRIVE_FILE, FileNames, Parameters, Trial};
 use lemons_decision::{DECISION_FILE, DecisionConfig};
 use lemons_master::TrialInput;
 use lemons_people::{
     Agent, Body3d, CrowdStatistics, SKINS, Shape, TORSO_ALTITUDE, TRIAL_FILES, crowd_csv, light_xml,
     may_write, write_trial, write_trial_zip,
 };
-use lemons_scenario::{Crowd, OrientationName, Scenario, ScenarioError, named};
+use lemons_scenario::{Crowd, MOST_PEOPLE, OrientationName, Ready, Scenario, ScenarioError, named};
 use lemons_sim::lint::of_plan;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -38,11 +39,11 @@ use std::time::Instant;
 #[command(after_help = format!("{REGION_HELP}\n\n{CUSTOM_HELP}"))]
 pub struct Arguments {
     /// Number of people
-    #[arg(short, long, alias = "people", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(short, long, alias = "people", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_PEOPLE)))]
     number: Option<u32>,
     /// People per m² of the region. In the open, with --number: the least density within the convex
     /// hull of the crowd (default there: as dense as possible)
-    #[arg(short, long, value_name = "PER_M2", value_parser = within(1e-6, 100.0, " (per m²)"))]
+    #[arg(short, long, value_name = "PER_M2", value_parser = ranged("density", " (per m²)"))]
     density: Option<f64>,
     /// Seed of the random numbers. The same seed gives the same crowd on every machine. Default: 1
     #[arg(short, long, value_name = "N")]
@@ -98,11 +99,11 @@ struct TrialArguments {
     material: Option<String>,
     /// Everybody pushes along --direction, with the force that keeps a lone person at this speed, in
     /// m/s. Default: 0. With --leave: everybody's desired speed. Default: 1.34
-    #[arg(long, value_name = "SPEED", value_parser = within(0.0, 20.0, " (m/s)"))]
+    #[arg(long, value_name = "SPEED", value_parser = ranged("speed", " (m/s)"))]
     speed: Option<f64>,
     /// Communication step (TimeStep), in s. The mechanical step is chosen from the stiffest contact and
     /// divides it. Default: 0.01
-    #[arg(long, value_name = "SECONDS", value_parser = within(1e-6, 1.0, " (s)"))]
+    #[arg(long, value_name = "SECONDS", value_parser = ranged("time_step", " (s)"))]
     time_step: Option<f64>,
 }
 
@@ -164,59 +165,62 @@ fn altitudes(wanted: &[Altitude], agents: &[Agent]) -> Vec<f64> {
     wanted.iter().flat_map(|at| at.as_ref().map_or(torsos, std::slice::from_ref)).copied().collect()
 }
 
-/// Options of keys of a scenario that have another name.
-const OPTIONS: [(&str, &str); 9] = [
-    ("drawing.close", "close"),
-    ("drawing.deviation", "deviation"),
-    ("drawing.unit", "unit"),
-    ("drawing.widest", "widest"),
-    ("doors", "door"),
-    ("regions", "region"),
-    ("exits", "exit"),
-    ("people", "custom"),
-    ("people.file", "custom"),
-];
+/// Returns the option of a key of a scenario, if there is one.
+fn option_of(key: &str) -> Option<String> {
+    let name = match key {
+        "people" | "people.file" => "custom",
+        "drawing.unit" => return Some("--unit or --scale".into()),
+        key => key.strip_prefix("drawing.").unwrap_or(key),
+    };
+    let command = Arguments::augment_args(clap::Command::new(""));
+    let long = name.replace('_', "-");
+    let is_it = |option: &&clap::Arg| *option.get_id() == *name || option.get_long() == Some(&long);
+    Some(format!("--{}", command.get_arguments().find(is_it)?.get_long()?))
+}
 
-/// How keys of a scenario are called: as options, or, of a file, as in it.
-#[derive(Clone, Copy)]
-struct Words<'a>(Option<&'a Path>);
+/// How keys of a scenario are called: as options, or, where they are as a file says, as in it.
+struct Words<'a> {
+    now: &'a Scenario,
+    /// The file, and what it says.
+    file: Option<(&'a Path, &'a Scenario)>,
+}
 
 impl Words<'_> {
+    fn is_option(&self, key: &str) -> bool {
+        self.file.is_none_or(|(_, file)| self.now.differs(file, key))
+    }
+
     /// A text about a scenario, in which keys are between backticks.
-    fn text(self, text: &str) -> String {
-        self.0.map_or_else(|| self.note(text), |file| format!("{}: {text}", file.display()))
+    fn note(&self, text: &str) -> String {
+        named(text, |key| option_of(key).filter(|_| self.is_option(key)))
     }
 
-    /// The same without the file's name.
-    fn note(self, text: &str) -> String {
-        if self.0.is_some() {
-            return text.to_owned();
-        }
-        named(text, |key| {
-            let other = OPTIONS.iter().find(|(own, _)| *own == key);
-            format!("--{}", other.map_or(key, |(_, option)| option).replace('_', "-"))
-        })
+    /// The same. What is of the file, as its first key says, begins with the file's name.
+    fn text(&self, text: &str) -> String {
+        let file = self.file.filter(|_| !self.of_option(text));
+        file.map_or(String::new(), |(file, _)| format!("{}: ", file.display())) + &self.note(text)
     }
 
-    fn error(self, error: ScenarioError) -> anyhow::Error {
+    fn of_option(&self, text: &str) -> bool {
+        self.is_option(text.split('`').nth(1).unwrap_or_default())
+    }
+
+    fn error(&self, error: ScenarioError) -> anyhow::Error {
         match error {
-            ScenarioError::Misused(what) if self.0.is_none() => Misused(self.text(&what)).into(),
+            ScenarioError::Misused(what) if self.of_option(&what) => Misused(self.text(&what)).into(),
+            ScenarioError::NoRoom { .. }
+                if ["number", "density", "box"].iter().any(|key| self.is_option(key)) =>
+            {
+                anyhow!(self.note(&error.to_string()))
+            }
             ScenarioError::Stopped => Interrupted::given_up().into(),
             ScenarioError::Files(problems) => {
                 note!("{problems}");
                 TrialHasErrors.into()
             }
             ScenarioError::People { of, error } => explained(error).context(self.text(&of)),
-            ScenarioError::NoRoom { ref place, overlap, better, .. } => {
-                let others = overlap.map_or(String::new(), |overlap| {
-                    let overlap = 1e3 * overlap;
-                    format!("; the others overlap by up to {overlap:.2} mm (`allow_overlap` writes it so)")
-                });
-                let better = if better { "; `packing` dense reaches more" } else { "" };
-                anyhow!(self.text(&format!("{place}: {error}{others}{better}")))
-            }
             ScenarioError::Toml(what) => anyhow!(what),
-            ScenarioError::Misused(what) | ScenarioError::Impossible(what) => anyhow!(self.text(&what)),
+            error => anyhow!(self.text(&error.to_string())),
         }
     }
 }
@@ -241,9 +245,10 @@ fn saved(mut scenario: Scenario, file: &Path) -> Result<Scenario> {
 }
 
 pub fn crowd(arguments: Arguments) -> Result<()> {
-    let words = Words(arguments.scenario.scenario.as_deref());
+    let (file, mut scenario) = arguments.scenario()?;
+    let words =
+        Words { now: &scenario.clone(), file: arguments.scenario.scenario.as_deref().zip(file.as_ref()) };
     let told = |error| words.error(error);
-    let mut scenario = arguments.scenario()?;
     scenario.check().map_err(told)?;
     let population = scenario.population(&Disk).map_err(told)?;
     if population.has_bicycles() {
@@ -273,15 +278,15 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
     }
     let place = scenario.place(&Disk, drawn).map_err(told)?;
     place.notes.iter().for_each(|said| note!("{}", words.note(said)));
-    let numbers = scenario.numbers(&place).map_err(told)?;
-    let settings = scenario.settings();
+    let ready = scenario.ready(&population, place, MOST_PEOPLE).map_err(told)?;
+    let Ready { place, numbers, agents, .. } = &ready;
     if let Some(directory) = &trial.output {
         may_write(directory, trial.force).context("-o")?;
     }
     let binaries = trial.fmu.as_ref().map(|_| trial.packing.binaries(&CROWD)).transpose()?;
     let mut outputs = arguments.outputs(&beside(&scenario))?;
     // Known before a long packing.
-    let makeable = settings.check(&place.geometry);
+    let makeable = scenario.settings().check(&place.geometry);
     if trial.wanted() || outputs.have_any(&["--svg", "--pdf", "--png"]) {
         makeable.as_ref().map_err(|error| anyhow!("cannot make a Trial of {}: {error}", place.name))?;
     }
@@ -294,28 +299,27 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
     let saved = save.map(|file| saved(scenario.clone(), file)?.to_toml().map_err(told)).transpose()?;
     let interrupt = Interrupt::watch();
 
-    let agents: Vec<Agent> = population.agents(scenario.seed).take(numbers.iter().sum()).collect();
-    others.check_bodies(&agents)?;
+    others.check_bodies(agents)?;
     let started = Instant::now();
-    let Crowd { packing, densities, shapes } =
-        placed(&scenario, &agents, &place, &numbers, &interrupt)?.map_err(told)?;
+    let placed = placed(&ready, &interrupt)?.map_err(told)?;
     let seconds = started.elapsed().as_secs_f64();
-    let ground = place.area_of(&packing);
+    let Crowd { packing, densities, shapes } = &placed;
+    let ground = place.area_of(packing);
     // Of a bicycle the two rectangles, not the disks that keep others off them.
     let area = |(agent, shape): (&Agent, &Shape)| match agent {
         Agent::Pedestrian(_) | Agent::Member(_) => shape.moments().area,
         Agent::Bicycle(bicycle) => bicycle.area(),
     };
-    let covered: f64 = agents.iter().zip(&shapes).map(area).sum();
+    let covered: f64 = agents.iter().zip(shapes).map(area).sum();
 
     // Printed when all is written: who closes the pipe early has the files nevertheless.
     let mut out = Vec::new();
-    writeln!(out, "{}", CrowdStatistics::of(&agents))?;
-    writeln!(out, "\nseed               {:>10}", scenario.seed)?;
+    writeln!(out, "{}", CrowdStatistics::of(agents))?;
+    writeln!(out, "\nseed               {:>10}", scenario.seed())?;
     let of = if place.is_plane() { "convex hull of all" } else { &place.name };
     writeln!(out, "{}", line("ground", ground, &format!("m²   ({of})")))?;
     if place.has_regions {
-        for (k, (ground, density)) in place.grounds.iter().zip(&densities).enumerate() {
+        for (k, (ground, density)) in place.grounds.iter().zip(densities).enumerate() {
             let people = format!("m²   {} people, {density:.3} /m²", numbers[k]);
             writeln!(out, "{}", line(&format!("  region {k}"), ground.free.region.area(), &people))?;
             let said = described(&ground.free);
@@ -329,42 +333,35 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
     writeln!(out, "{}", line("density", packing.density, &share))?;
     writeln!(out, "{}", line("largest overlap", 1e3 * packing.largest_overlap, "mm"))?;
 
-    let crowd: Vec<(Agent, Pose)> = agents.iter().cloned().zip(packing.poses).collect();
+    let crowd: Vec<(Agent, Pose)> = agents.iter().cloned().zip(packing.poses.iter().copied()).collect();
     outputs
         .fill("--save-scenario", |file| file.write_all(saved.as_deref().unwrap_or_default().as_bytes()))?;
-    outputs.fill("--population", |file| file.write_all(crowd_csv(&agents).as_bytes()))?;
+    outputs.fill("--population", |file| file.write_all(crowd_csv(agents).as_bytes()))?;
     if let Some(output) = outputs.of("--light-xml") {
         let text = light_xml(&crowd)?;
         output.fill(|file| file.write_all(text.as_bytes()))?;
     }
-    let at = (!others.sections.is_empty()).then(|| altitudes(&others.sections, &agents));
+    let at = (!others.sections.is_empty()).then(|| altitudes(&others.sections, agents));
     bodies::write(&crowd, at.as_deref(), [covered, ground], &mut outputs, &interrupt, &mut out)?;
     let mut done = Ok(());
     if makeable.is_ok() {
-        let made = scenario.trial(&arguments.name(), &crowd, &shapes, &place.geometry).map_err(told)?;
-        let (mut scene, style) = of_crowd(&made, &crowd);
-        scene.marks = place.drawn.as_ref().map_or(Vec::new(), |drawn| marks(&drawn.plan));
+        let made = ready.made(&arguments.name(), placed).map_err(told)?;
+        let (mut scene, style) = of_crowd(&made.trial, &crowd);
+        scene.marks = made.place.drawn.as_ref().map_or(Vec::new(), |drawn| marks(&drawn.plan));
         outputs.draw(&scene, &style)?;
         if !population.has_bicycles() {
-            let step = made.parameters.time_step_mechanical;
-            let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
-            writeln!(out, "mechanical step    {step:>10} {note}")?;
-            let mut notes = Vec::new();
-            let decision = scenario.decision(&agents, &made, &place, &mut notes);
-            notes.iter().for_each(|said| note!("{}", words.note(said)));
-            if let Some(config) = &decision {
-                // A run would refuse it.
-                let plan = scenario.plan(&made, config).map_err(told)?;
-                let found = of_plan(&plan, &made, Path::new(""));
+            let Parameters { time_step, time_step_mechanical: step, .. } = &made.trial.parameters;
+            writeln!(out, "mechanical step    {step:>10} s   (of a TimeStep of {time_step} s)")?;
+            // Those of the place were told.
+            let notes = made.notes.iter().skip(made.place.notes.len());
+            notes.for_each(|said| note!("{}", words.note(said)));
+            if let Some((_, plan)) = &made.decision {
+                let found = of_plan(plan, &made.trial, Path::new(""));
                 found.iter().for_each(|found| note!("{found}"));
             }
-            let drive = lemons_scenario::drive(&made, &scenario.pushes).map_err(told)?;
-            let decision = decision.map(|config| config.to_toml()).transpose()?;
-            let beside =
-                [(DECISION_FILE, decision), (DRIVE_FILE, Some(drive).filter(|text| !text.is_empty()))];
-            let beside: Vec<(&str, &str)> =
-                beside.iter().filter_map(|(name, text)| Some((*name, text.as_deref()?))).collect();
-            done = trial.write(&made, &beside, binaries, &interrupt, &mut out)?;
+            let beside = made.beside().map_err(told)?;
+            let beside: Vec<(&str, &str)> = beside.iter().map(|(name, text)| (*name, &**text)).collect();
+            done = trial.write(&made.trial, &beside, binaries, &interrupt, &mut out)?;
         }
     }
     if !trial.wanted() && outputs.is_empty() {
@@ -448,11 +445,10 @@ impl TrialArguments {
 impl OtherArguments {
     /// Checks that the bodies that are wanted can be made.
     fn check_bodies(&self, agents: &[Agent]) -> Result<()> {
-        if !self.sections.is_empty() || self.obj.is_some() || self.stl.is_some() {
-            for (k, agent) in agents.iter().enumerate() {
-                for person in agent.everybody() {
-                    Body3d::similar_possible(&person).with_context(|| format!("agent {k}"))?;
-                }
+        let wanted = !self.sections.is_empty() || self.obj.is_some() || self.stl.is_some();
+        for (k, agent) in agents.iter().enumerate().filter(|_| wanted) {
+            for person in agent.everybody() {
+                Body3d::similar_possible(&person).with_context(|| format!("agent {k}"))?;
             }
         }
         Ok(())
@@ -460,24 +456,24 @@ impl OtherArguments {
 }
 
 impl Arguments {
-    /// The scenario of the file, if there is one, with what the options say.
-    fn scenario(&self) -> Result<Scenario> {
+    /// The scenario of the file, if there is one; and with what the options say.
+    fn scenario(&self) -> Result<(Option<Scenario>, Scenario)> {
         let file = self.scenario.scenario.as_deref();
-        let mut scenario =
-            file.map_or_else(|| Ok(Scenario::default()), |file| Scenario::read(&Disk, file))?;
+        let file = file.map(|file| Scenario::read(&Disk, file)).transpose()?;
+        let mut scenario = file.clone().unwrap_or_default();
         scenario.each_path(|path| files::reads(path, "--scenario"));
         if self.number.is_some() || self.density.is_some() {
             (scenario.number, scenario.density) = (self.number, self.density);
         }
-        scenario.seed = self.seed.unwrap_or(scenario.seed);
+        scenario.seed = self.seed.or(scenario.seed);
         self.source.fill(&mut scenario)?;
-        self.placing.fill(&mut scenario)?;
+        self.placing.fill(&mut scenario);
         self.leaving.fill(&mut scenario)?;
         let TrialArguments { material, speed, time_step, .. } = &self.trial;
-        scenario.material = material.clone().unwrap_or(scenario.material);
+        scenario.material = material.clone().or(scenario.material);
         scenario.speed = speed.or(scenario.speed);
-        scenario.time_step = time_step.unwrap_or(scenario.time_step);
-        Ok(scenario)
+        scenario.time_step = time_step.or(scenario.time_step);
+        Ok((file, scenario))
     }
 
     fn refuse_bicycles(&self) -> Result<()> {

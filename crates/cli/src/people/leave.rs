@@ -1,21 +1,14 @@
 //! `--leave` and the options that need it: the `decision.toml` of a crowd.
 
-use super::named;
+use super::{named, ranged};
 use crate::error::Misused;
-use crate::numbers::{array, within};
+use crate::numbers::array;
 use anyhow::{Result, bail};
 use lemons_core::distribution::{Distribution, Range};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_decision::{BalanceName, GroupsConfig, Spread, TargetConfig, WalkingModelName};
 use lemons_scenario::Scenario;
 
-/// Walking models, the usual one first.
-const MODELS: [WalkingModelName; 4] = [
-    WalkingModelName::Rotational,
-    WalkingModelName::CollisionFreeSpeed,
-    WalkingModelName::SocialForce,
-    WalkingModelName::Straight,
-];
 const BALANCES: [BalanceName; 2] = [BalanceName::Pendulum, BalanceName::TwoLevel];
 
 #[derive(clap::Args)]
@@ -27,18 +20,10 @@ pub struct LeaveArguments {
     #[arg(long)]
     pub leave: bool,
     /// A line where people have left, from X1,Y1 to X2,Y2, in m. Can be given several times
-    #[arg(
-        long = "exit",
-        value_name = "X1,Y1,X2,Y2",
-        value_parser = exit,
-        allow_hyphen_values = true
-    )]
+    #[arg(long = "exit", value_name = "X1,Y1,X2,Y2", value_parser = exit, allow_hyphen_values = true)]
     exits: Vec<[Vec2; 2]>,
     /// How people walk around others. straight: not at all. Default: rotational
-    #[arg(
-        long,
-        value_parser = named(&MODELS, WalkingModelName::name)
-    )]
+    #[arg(long, value_parser = named(WalkingModelName::ALL, WalkingModelName::name))]
     model: Option<WalkingModelName>,
     /// Greatest force with which people push ahead, in N: of everybody, or the mean and the standard
     /// deviation of a normal distribution, as in 150,50. With rotational, squeezes hardly grow with it above
@@ -46,7 +31,7 @@ pub struct LeaveArguments {
     #[arg(long, value_name = "FORCE[,SD]", value_parser = push)]
     push: Option<[f64; 2]>,
     /// Part of the people who walk in groups of two to four, as families do (docs/walking.md), from 0 to 1
-    #[arg(long, value_name = "SHARE", value_parser = within(0.0, 1.0, ""))]
+    #[arg(long, value_name = "SHARE", value_parser = ranged("groups", ""))]
     groups: Option<f64>,
     /// When people start to walk, in s: all at a time, or each at a time of its own from FROM to TO, all as
     /// likely (premovement times). They stand before. Default: at once

@@ -1,19 +1,16 @@
 //! Where a crowd stands: the region, the placer, its progress.
 
-use super::named;
 use super::regions::{door, region};
 use super::room::{self, DrawingArguments};
-use crate::error::Misused;
+use super::{named, ranged};
 use crate::interrupt::Interrupt;
-use crate::numbers::within;
 use crate::print;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use lemons_core::plane::{Vec2, vec2};
-use lemons_people::Agent;
-use lemons_people::drawing::{Format, Read};
+use lemons_people::drawing::Read;
 use lemons_people::placing::{Method, Orientation, Progress, Stage};
 use lemons_scenario::{
-    Crowd, DoorForm, DrawingForm, OrientationName, Pair, Place, RegionForm, Scenario, ScenarioError,
+    Crowd, DoorForm, DrawingForm, OrientationName, Pair, Ready, RegionForm, Scenario, ScenarioError,
 };
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -55,7 +52,7 @@ pub struct PlacingArguments {
     #[arg(long, value_parser = named(&OrientationName::ALL, OrientationName::name))]
     orientation: Option<OrientationName>,
     /// Direction people face, in degrees counter-clockwise from the x axis. Default: 0
-    #[arg(long, value_name = "DEGREES", value_parser = within(-360.0, 360.0, " (degrees)"))]
+    #[arg(long, value_name = "DEGREES", value_parser = ranged("direction", " (degrees)"))]
     direction: Option<f64>,
     /// Write the crowd even if some people overlap
     #[arg(long)]
@@ -65,7 +62,7 @@ pub struct PlacingArguments {
 }
 
 fn sides(text: &str) -> Result<Vec2, String> {
-    let side = |text: &str| within(0.1, 1e4, "")(text).ok();
+    let side = |text: &str| ranged("box", "")(text).ok();
     let sides = text.split_once(['x', 'X', '×']).and_then(|(along, across)| side(along).zip(side(across)));
     let must = "must be two lengths in m with an x between them, as in 4.56x4.56, each from 0.1 to 10000";
     sides.map(|(along, across)| vec2(along, across)).ok_or_else(|| must.into())
@@ -73,21 +70,16 @@ fn sides(text: &str) -> Result<Vec2, String> {
 
 impl PlacingArguments {
     /// Fills in what is given.
-    pub fn fill(&self, scenario: &mut Scenario) -> Result<()> {
+    pub fn fill(&self, scenario: &mut Scenario) {
         if self.sides.is_some() || self.geometry.is_some() || self.open {
             (scenario.sides, scenario.geometry, scenario.room) = (None, None, None);
             scenario.drawing = DrawingForm::default();
         }
         scenario.sides = self.sides.map(|sides| Pair(sides.into())).or(scenario.sides);
         scenario.geometry = self.geometry.clone().or(scenario.geometry.take());
-        if let Some(option) = self.drawing.given() {
-            let drawing = scenario.geometry.as_deref().and_then(Format::of);
-            if drawing.is_none() {
-                bail!(Misused(format!(
-                    "{option} is for drawings: --geometry FILE.dxf, .geojson, .wkt or .svg"
-                )));
-            }
-            scenario.drawing = self.drawing.form();
+        let drawing = self.drawing.form();
+        if drawing != DrawingForm::default() {
+            scenario.drawing = drawing;
         }
         if !self.doors.is_empty() {
             scenario.doors.clone_from(&self.doors);
@@ -99,7 +91,6 @@ impl PlacingArguments {
         scenario.orientation = self.orientation.or(scenario.orientation);
         scenario.direction = self.direction.or(scenario.direction);
         scenario.allow_overlap |= self.allow_overlap;
-        Ok(())
     }
 }
 
@@ -129,20 +120,13 @@ pub fn manner(scenario: &Scenario) -> String {
 }
 
 /// Places people, and shows how far it is: on a terminal, once it takes a moment.
-pub fn placed(
-    scenario: &Scenario,
-    agents: &[Agent],
-    place: &Place,
-    numbers: &[usize],
-    interrupt: &Interrupt,
-) -> Result<Result<Crowd, ScenarioError>> {
+pub fn placed(ready: &Ready, interrupt: &Interrupt) -> Result<Result<Crowd, ScenarioError>> {
     let bar = print::bar(0, "{spinner} {elapsed:>4}  {msg}")?;
     bar.enable_steady_tick(Duration::from_millis(100));
-    let mut watch = |progress: &Progress| {
+    let crowd = ready.crowd(&mut |progress| {
         bar.set_message(described_progress(progress));
         if interrupt.pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
-    let crowd = scenario.crowd(agents, place, numbers, &mut watch);
+    });
     bar.finish_and_clear();
     Ok(crowd)
 }

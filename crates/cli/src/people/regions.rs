@@ -1,11 +1,10 @@
 //! `--region` and `--door`: on which ground people stand, and how many on each.
 
-use crate::numbers::{array, list, within};
+use super::ranged;
+use crate::numbers::{array, list};
 use lemons_core::plane::vec2;
-use lemons_core::trial::{FARTHEST, OpeningTimes};
-use lemons_people::Door;
 use lemons_people::placing::FreeSpace;
-use lemons_scenario::{DoorForm, RegionForm};
+use lemons_scenario::{DoorForm, MOST_PEOPLE, RegionForm};
 
 pub const REGION_HELP: &str = include_str!("../help/regions.txt");
 
@@ -15,11 +14,12 @@ pub fn region(text: &str) -> Result<RegionForm, String> {
     let (number, density) = match amount.trim().split_once('=') {
         None if amount.trim().is_empty() => (None, None),
         Some((key, value)) if key.trim() == "number" => {
-            let number = value.trim().parse().ok().filter(|number| (1..=1_000_000).contains(number));
-            (Some(number.ok_or("number: must be a whole number from 1 to 1000000")?), None)
+            let number = value.trim().parse().ok().filter(|number| (1..=MOST_PEOPLE).contains(number));
+            let must = || format!("number: must be a whole number from 1 to {MOST_PEOPLE}");
+            (Some(number.ok_or_else(must)?), None)
         }
         Some((key, value)) if key.trim() == "density" => {
-            let density = within(1e-6, 100.0, " (per m²)")(value);
+            let density = ranged("density", " (per m²)")(value);
             (None, Some(density.map_err(|must| format!("density: {must}"))?))
         }
         _ => return Err(format!("{:?}: after ; stands number=N or density=D", amount.trim())),
@@ -39,19 +39,7 @@ pub fn region(text: &str) -> Result<RegionForm, String> {
 
 /// Reads x, y and width; then, perhaps, from and to when it is open. It need not close.
 pub fn door(text: &str) -> Result<DoorForm, String> {
-    let numbers = list(text).unwrap_or_default();
-    match numbers[..] {
-        [x, y, width, ..]
-            if [x, y].iter().all(|x| x.abs() <= FARTHEST) && (0.1..=1e3).contains(&width) =>
-        {
-            let rule = OpeningTimes::RULE;
-            let wrong = || format!("after x, y and width, must be {rule}, as in 8,3,1,20,60; the last time may be left out");
-            Door::of_numbers(&numbers).map(DoorForm).ok_or_else(wrong)
-        }
-        _ => Err("must be x, y and width in m, as in 8,3,1; the width is from 0.1 to 1000, x and y are from -1e9 to \
-                  1e9"
-            .into()),
-    }
+    DoorForm::of(&list(text).unwrap_or_default()).ok_or_else(DoorForm::rule)
 }
 
 /// Describes what walls make of a ground, for the summary.

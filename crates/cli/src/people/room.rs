@@ -118,33 +118,16 @@ fn format_of(path: &Path) -> Result<Format> {
 }
 
 impl DrawingArguments {
-    /// Returns whether one of the options is given, by its name.
-    pub fn given(&self) -> Option<&'static str> {
-        let all = [
-            ("--unit", self.unit.is_some()),
-            ("--scale", self.scale.is_some()),
-            ("--close", self.close.is_some()),
-            ("--deviation", self.deviation.is_some()),
-            ("--origin", self.origin),
-            ("--walls", !self.walls.is_empty()),
-            ("--enclosed", self.enclosed),
-            ("--obstacles", !self.obstacles.is_empty()),
-            ("--widest", self.widest.is_some()),
-        ];
-        all.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
-    }
-
     /// Reads a drawing, and says what is in it.
     ///
     /// # Errors
     /// It cannot be read, or there are no walls in it. The message names the file.
     pub fn read(&self, path: &Path) -> Result<Read> {
-        self.of_format(path, format_of(path)?).with_context(|| path.display().to_string())
-    }
-
-    fn of_format(&self, path: &Path, format: Format) -> Result<Read> {
-        let (bytes, form) = (input::read(path, LARGEST_DRAWING)?, self.form());
-        Read::of(format, &bytes, &form.reading(), &form.settings()).map_err(explained)
+        let (format, form) = (format_of(path)?, self.form());
+        let read = input::read(path, LARGEST_DRAWING)
+            .map_err(Into::into)
+            .and_then(|bytes| Read::of(format, &bytes, &form.reading(), &form.settings()).map_err(explained));
+        read.with_context(|| path.display().to_string())
     }
 
     /// Returns the keys of a scenario.
@@ -221,7 +204,7 @@ fn propose(arguments: &Arguments) -> Result<()> {
             error => error.into(),
         })
         .with_context(named)?;
-    let given = reading.form().enclosing();
+    let given = reading.form().settings().enclosing;
     let found = Proposal::of(&drawing, &reading.walls, reading.close, given.as_ref()).with_context(named)?;
     let Some(mut found) = found else {
         bail!(
@@ -330,14 +313,16 @@ pub fn room(arguments: &Arguments) -> Result<()> {
         read.plan.add_door(door).with_context(named)?;
     }
     let geometry = read.plan.geometry(WALLS);
-    outputs.draw(&scene_of(&bare(drawing, &geometry)?, &read.plan), &style())?;
+    let trial = bare(drawing, &geometry)?;
+    let mut scene = Scene::at_start(&trial);
+    scene.marks = marks(&read.plan);
+    outputs.draw(&scene, &style())?;
     let mut out = Vec::new();
     for (what, how) in said(&read, drawing) {
         writeln!(out, "{what:<18} {how}")?;
     }
     if let Some(kind) = kind {
-        let text =
-            kind.map_or_else(|| Some(geometry_xml(&geometry)), |format| write_plan(&read.plan, format));
+        let text = kind.map_or_else(|| Some(geometry.to_xml()), |format| write_plan(&read.plan, format));
         let text = text.unwrap_or_default();
         outputs.fill("-o", |file| file.write_all(text.as_bytes()))?;
         not_written(&read.plan, kind);
@@ -354,12 +339,6 @@ pub fn room(arguments: &Arguments) -> Result<()> {
 fn bare(path: &Path, geometry: &Geometry) -> Result<Trial> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     Ok(crowd_trial(&name, &[], geometry.clone(), &TrialSettings::default())?)
-}
-
-fn scene_of<'a>(trial: &'a Trial, plan: &Plan) -> Scene<'a> {
-    let mut scene = Scene::at_start(trial);
-    scene.marks = marks(plan);
-    scene
 }
 
 fn style() -> Style {
@@ -389,10 +368,6 @@ fn written(path: &Path) -> Result<Option<Format>> {
             path.display()
         ))),
     }
-}
-
-fn geometry_xml(geometry: &Geometry) -> String {
-    geometry.to_xml()
 }
 
 fn not_written(plan: &Plan, kind: Option<Format>) {

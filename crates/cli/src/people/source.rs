@@ -1,6 +1,6 @@
 //! Whom a crowd is drawn from.
 
-use super::{measure, person};
+use super::{measure, person, ranged};
 use crate::error::Misused;
 use crate::numbers::within;
 use anyhow::{Result, bail};
@@ -12,11 +12,11 @@ use std::path::PathBuf;
 #[command(next_help_heading = "People (default: drawn from the statistics of the survey ANSUR II, 2012)")]
 pub struct SourceArguments {
     /// Probability that a pedestrian is a man, 0 to 1. Default: 0.5
-    #[arg(long, value_name = "PART", value_parser = within(0.0, 1.0, ""), conflicts_with = "fixed")]
+    #[arg(long, value_name = "PART", value_parser = ranged("men", ""), conflicts_with = "fixed")]
     men: Option<f64>,
     /// Probability that a member of the crowd is a pedestrian, 0 to 1; the others ride bicycles.
     /// Default: 1
-    #[arg(long, value_name = "PART", value_parser = within(0.0, 1.0, ""))]
+    #[arg(long, value_name = "PART", value_parser = ranged("pedestrians", ""))]
     pedestrians: Option<f64>,
     /// Shares of kinds of people, as in adult=70,child=15,elderly=10,wheelchair=5; they need not sum up to
     /// 100. Kinds: adult, backpack, child, elderly, powered-wheelchair, stroller, suitcase, walker,

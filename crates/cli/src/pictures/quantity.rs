@@ -222,7 +222,7 @@ fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
     let mut most = vec![f64::NAN; people];
     let of_frame = |(k, frame)| {
         let of_step: Vec<Option<f64>> =
-            (0..people).map(|agent| squeeze(frame, agent).map(|(mean, _)| mean)).collect();
+            (0..people).map(|agent| squeeze(frame, agent, None).map(|(mean, _)| mean)).collect();
         let means = match &mut moving {
             Some(moving) => moving.add(frame.time, of_step.into_iter()),
             // At the start there was no step.
@@ -283,9 +283,9 @@ mod tests {
         for end in 0..run.frames.len() {
             let mut exposure = Exposure::new(2, &[], None);
             for frame in &run.frames[..=end] {
-                exposure.add(frame.time, (0..2).map(|agent| squeeze(frame, agent)));
+                exposure.see(frame, None);
             }
-            for (agent, seen) in exposure.finish().iter().enumerate() {
+            for (agent, seen) in exposure.so_far().iter().enumerate() {
                 let value = shown.of_one(&run, end, agent);
                 match seen.largest_mean[1].filter(|_| run.frames[end].is_there(agent)) {
                     Some(expected) => assert!((value - expected).abs() < 1e-9, "{end}: {value}, {expected}"),

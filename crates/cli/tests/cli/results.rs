@@ -65,7 +65,8 @@ fn a_signal_leaves_valid_results_and_the_run_goes_on_bit_for_bit() {
     }
     let whole = push(at, &format!("--until {:?} -o whole.csv", (last + 20) as f64 * 0.05), 0);
     assert!(table == read(at, "whole.csv"), "to the last byte");
-    let refused = push(at, "--resume push.run --state push.run --until 100 -o - --step 9", 1);
+    let until = (last + 1000) as f64 * 0.05;
+    let refused = push(at, &format!("--resume push.run --state push.run --until {until:?} -o - --step 9"), 1);
     assert!(refused.contains("--step: a communication step of 9.0 s: the saved run has one of 0.05 s"));
     // The extremes are those of the whole run.
     let line = |text: &str, name: &str| text.lines().find(|line| line.starts_with(name)).unwrap().to_owned();

@@ -18,6 +18,17 @@ pub fn meant<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
     near.filter(|(apart, word)| enough(*apart, word)).min().map(|(_, word)| word)
 }
 
+/// Returns what serde says of a document, with a suggestion for an unknown key. In its `message` keys are between backticks:
+/// first the unknown one, then the expected ones.
+pub fn explained(said: &str, message: &str) -> String {
+    let mut expected = message.split('`').skip(1).step_by(2);
+    let unknown = expected.next().filter(|_| message.starts_with("unknown field"));
+    match unknown.and_then(|unknown| meant(unknown, expected)) {
+        Some(meant) => format!("{}\ndid you mean `{meant}`?", said.trim_end()),
+        None => said.to_owned(),
+    }
+}
+
 /// Returns a message in which long words, and long lines, have lost their middle: names come from files and can have any
 /// length. Paths of a usual length stay whole. All messages that leave a program go through it.
 pub fn shortened(message: &str) -> Cow<'_, str> {

@@ -1,6 +1,6 @@
 //! Poses and motions of rigid bodies.
 
-use crate::plane::Vec2;
+use crate::plane::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
 /// Position and orientation of a body.
@@ -13,6 +13,11 @@ pub struct Pose {
 }
 
 impl Pose {
+    /// A pose at x, y \[m\], facing a direction \[rad\].
+    pub const fn new(x: f64, y: f64, orientation: f64) -> Pose {
+        Pose { position: vec2(x, y), orientation }
+    }
+
     /// Returns how far the points of a body in this pose may be from where they are in another, in m: the distance of
     /// the centres plus the angle between both poses times the distance `rim` \[m\] from the centre to the rim.
     pub fn apart(&self, other: &Pose, rim: f64) -> f64 {
@@ -66,7 +71,6 @@ pub fn shown_orientation(first: Vec2, last: Vec2) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::vec2;
 
     #[test]
     fn gaze_is_normal_to_the_shoulders() {

@@ -1,6 +1,6 @@
 //! `Agents.xml`.
 
-use crate::plane::{Vec2, rotation, shown_orientation};
+use crate::plane::{Vec2, rotation, shown_orientation, vec2};
 use crate::trial::schema::{Schema, Value};
 use crate::trial::xml::{Element, Ids, document, empty, read_id, vector};
 use crate::xml::{number, quoted};
@@ -64,6 +64,21 @@ pub struct Agent {
 }
 
 impl Agent {
+    /// Makes an agent without disks: Id, mass \[kg\], moment of inertia \[kg.m2\], relaxation rates 1/t_transl and
+    /// 1/t_rot \[1/s\].
+    pub fn new(id: impl Into<String>, mass: f64, moment_of_inertia: f64, damping: [f64; 2]) -> Agent {
+        let [floor_damping, angular_damping] = damping;
+        Agent { id: id.into(), mass, moment_of_inertia, floor_damping, angular_damping, ..Agent::default() }
+    }
+
+    /// Returns the same with disks: x, y, radius \[m\], from the left shoulder to the right one.
+    #[must_use]
+    pub fn with_disks(self, disks: &[[f64; 3]]) -> Agent {
+        let shape =
+            |&[x, y, radius]: &[f64; 3]| Shape { radius, position: vec2(x, y), material_id: String::new() };
+        Agent { shapes: disks.iter().map(shape).collect(), ..self }
+    }
+
     /// Returns centre \[m\] and radius \[m\] of the disks, relative to the centre of mass, when the gaze is along x.
     pub fn disks_facing_x(&self) -> Vec<(Vec2, f64)> {
         let ends = self.shapes.first().zip(self.shapes.last());

@@ -4,7 +4,7 @@ use crate::files::source::{Disk, Source};
 use crate::files::{Change, Scratch, WriteError, change_all, make_directories, target_of};
 use crate::trial::agents::{self, Agent};
 use crate::trial::dynamics::{self, AgentDynamics, DynamicsElement, dynamics_xml};
-use crate::trial::geometry::{self, Geometry};
+use crate::trial::geometry::{self, Geometry, Wall};
 use crate::trial::interactions::{self, Interactions, interactions_xml};
 use crate::trial::materials::{self, Materials};
 use crate::trial::parameters::{self, Parameters};
@@ -15,7 +15,7 @@ use std::path::{Component, Path, PathBuf};
 use uuid::Uuid;
 
 /// A Trial directory, read and checked.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Trial {
     /// The directory's own name.
     pub name: String,
@@ -119,6 +119,24 @@ impl Trial {
     /// Errors in its files, all of them.
     pub fn read(directory: &Path) -> Checked<Trial> {
         Trial::read_from(&Disk, directory, &FileNames::default())
+    }
+
+    /// Makes a Trial of people, each with the state at the start, and of walls, without materials. It cannot be simulated
+    /// by the mechanics; people can decide in it.
+    pub fn of(
+        people: impl IntoIterator<Item = (Agent, AgentDynamics)>,
+        walls: Vec<Wall>,
+        time_step: f64,
+    ) -> Trial {
+        let (agents, dynamics) = people.into_iter().unzip();
+        let parameters = Parameters { time_step, ..Parameters::default() };
+        Trial {
+            parameters,
+            geometry: Geometry { walls, ..Geometry::default() },
+            agents,
+            dynamics,
+            ..Trial::default()
+        }
     }
 
     /// Returns the files of which [`Trial::read`] reads a directory, whether they are there or not.

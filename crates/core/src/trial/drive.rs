@@ -6,7 +6,8 @@ use crate::trial::documents::Trial;
 use crate::trial::problem::Problems;
 use crate::xml::{Problem, decimal, quoted};
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::fmt::Display;
+use std::f64::consts::PI;
+use std::fmt::{Display, Write as _};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use uuid::Uuid;
@@ -43,6 +44,13 @@ pub struct DriveTable {
     agents: HashMap<String, Vec<(f64, Push)>>,
     /// In the file, of the first row of each agent.
     lines: HashMap<String, u64>,
+}
+
+const HEAD: &str = "t,agent,Fp.x,Fp.y,Mp\n";
+
+/// Returns a half sine at a share of its duration; `None` before and after.
+pub fn half_sine(share: f64) -> Option<f64> {
+    (0.0..=1.0).contains(&share).then(|| libm::sin(PI * share))
 }
 
 /// Returns where a Trial has its own drive.
@@ -180,6 +188,35 @@ impl DriveTable {
             rows.push(row);
         }
         found.or(drive)
+    }
+
+    /// Adds an agent's rows, in the order of their times.
+    pub fn add(&mut self, agent: &str, rows: Vec<(f64, Push)>) {
+        self.lines.insert(agent.to_owned(), self.lines.len() as u64);
+        self.agents.insert(agent.to_owned(), rows);
+    }
+
+    /// Returns the same without agents who are not in the Trial.
+    pub fn of_those(&self, trial: &Trial) -> DriveTable {
+        let mut fewer = DriveTable::default();
+        let named = trial.agents.iter().filter_map(|agent| Some((&agent.id, self.rows(&agent.id)?)));
+        named.for_each(|(agent, rows)| fewer.add(agent, rows.to_vec()));
+        fewer
+    }
+
+    /// Returns the drive file of those agents whom the Trial has; empty if it names none of them. Numbers are read back as
+    /// the same doubles.
+    pub fn text_for(&self, trial: &Trial) -> String {
+        let mut text = String::new();
+        for agent in &trial.agents {
+            // With quotes, an Id may have any characters.
+            let id = agent.id.replace('"', "\"\"");
+            for (time, [x, y, torque]) in self.rows(&agent.id).unwrap_or_default() {
+                // Writing to a text cannot fail.
+                let _ = writeln!(text, "{time:?},\"{id}\",{x:?},{y:?},{torque:?}");
+            }
+        }
+        if text.is_empty() { text } else { HEAD.to_owned() + &text }
     }
 
     /// Returns the agents that the file names.

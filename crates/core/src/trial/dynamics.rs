@@ -8,7 +8,7 @@ use crate::xml::{number, quoted};
 use std::collections::{BTreeMap, HashMap};
 
 /// `<Agent>` of `AgentDynamics.xml`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct AgentDynamics {
     /// \[m\] centre of mass.
     pub position: Vec2,

@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 /// `Geometry.xml`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Geometry {
     /// \[m\] `<Dimensions Lx Ly>`: the size of the drawn area; not used by the mechanics.
     pub dimensions: Option<Vec2>,
@@ -56,6 +56,11 @@ impl Wall {
     /// Makes a wall that never opens, through at least two corners \[m\].
     pub fn new(id: impl Into<String>, material_id: impl Into<String>, corners: Vec<Vec2>) -> Wall {
         Wall { id: id.into(), material_id: material_id.into(), corners, open: None }
+    }
+
+    /// Returns its straight pieces: their ends \[m\].
+    pub fn sides(&self) -> impl Iterator<Item = [Vec2; 2]> {
+        self.corners.windows(2).map(|ends| [ends[0], ends[1]])
     }
 
     /// Returns whether it is open at a time \[s\].

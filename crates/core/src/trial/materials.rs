@@ -32,7 +32,7 @@ static CONTACT: Schema = Schema {
 };
 
 /// `Materials.xml`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Materials {
     /// `<Intrinsic>`
     pub intrinsic: Vec<Material>,

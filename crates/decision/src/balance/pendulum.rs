@@ -11,7 +11,7 @@
 //!   centre of mass is out of reach, the person has fallen.
 //! - Who has stood still for a while walks back.
 
-use super::{Legs, Motion, STILL, at_most};
+use super::{Legs, OwnMotion, STILL, at_most};
 use crate::error::{PlanError, not_negative, number};
 use lemons_core::plane::{InPlane, Vec2};
 use serde::{Deserialize, Serialize};
@@ -118,22 +118,22 @@ impl Pendulum {
     }
 
     /// \[1/s\] Returns ω₀.
-    fn rate(&self, motion: &Motion) -> f64 {
+    fn rate(&self, motion: &OwnMotion) -> f64 {
         (GRAVITY / (self.height_part * motion.stature)).sqrt()
     }
 
     /// \[m\] Returns the extrapolated centre of mass, from the feet.
-    fn extrapolated(&self, legs: &Legs, motion: &Motion) -> Vec2 {
+    fn extrapolated(&self, legs: &Legs, motion: &OwnMotion) -> Vec2 {
         motion.at + motion.velocity * (1.0 / self.rate(motion)) - legs.at
     }
 
-    pub(super) fn is_balanced(&self, legs: &Legs, motion: &Motion) -> bool {
+    pub(super) fn is_balanced(&self, legs: &Legs, motion: &OwnMotion) -> bool {
         !self.lies(legs) && legs.step.is_none() && self.extrapolated(legs, motion).norm() <= self.support
     }
 
     /// Returns whether ankles can stop somebody who is above the feet: the extrapolated centre of mass stays within the
     /// support, at the start and later, at t = 2/λ − 1/(ω₀ a).
-    pub(super) fn stops(&self, motion: &Motion) -> bool {
+    pub(super) fn stops(&self, motion: &OwnMotion) -> bool {
         let (rate, damping) = (self.rate(motion), self.damping);
         let a = 1.0 - 0.5 * damping / rate;
         let weak = || 0.5 * damping / a * libm::exp(1.0 - 0.5 * damping / (rate * a));
@@ -146,7 +146,7 @@ impl Pendulum {
 
     /// \[m/s²\] Returns by how much the ground accelerates somebody who stands. Ankles damp the velocity, bring the body above
     /// the feet, without overshooting, and take a part of the load.
-    fn acceleration(&self, legs: &Legs, motion: &Motion) -> Vec2 {
+    fn acceleration(&self, legs: &Legs, motion: &OwnMotion) -> Vec2 {
         if self.lies(legs) {
             return at_most(motion.velocity * -motion.damping, FRICTION * GRAVITY);
         }
@@ -159,7 +159,7 @@ impl Pendulum {
     }
 
     /// \[m/s²\] Returns the same, and gives back what the floor takes by eq. 1.
-    pub(super) fn drive(&self, legs: &Legs, motion: &Motion) -> Vec2 {
+    pub(super) fn drive(&self, legs: &Legs, motion: &OwnMotion) -> Vec2 {
         self.acceleration(legs, motion) + motion.velocity * motion.damping
     }
 
@@ -170,7 +170,7 @@ impl Pendulum {
     }
 
     /// Moves the legs of somebody who stands by a step of time \[s\].
-    pub(super) fn pass(&self, legs: &mut Legs, motion: &Motion, around: Around, step: f64) {
+    pub(super) fn pass(&self, legs: &mut Legs, motion: &OwnMotion, around: Around, step: f64) {
         if self.lies(legs) {
             return;
         }
@@ -206,7 +206,7 @@ impl Pendulum {
     }
 
     /// Notices the load: what the ground does not explain of the velocity, with a low pass (a disturbance observer).
-    fn notice_load(&self, legs: &mut Legs, motion: &Motion, step: f64) {
+    fn notice_load(&self, legs: &mut Legs, motion: &OwnMotion, step: f64) {
         let change = (motion.velocity - legs.velocity) * (1.0 / self.bracing_time);
         // Implicit: also of a long step, the estimate of a steady load is this load.
         let kept = self.bracing_time / (self.bracing_time + step);
@@ -215,7 +215,7 @@ impl Pendulum {
         legs.load = at_most((legs.load + change) * kept, most);
     }
 
-    fn land(&self, legs: &mut Legs, motion: &Motion, around: Around) {
+    fn land(&self, legs: &mut Legs, motion: &OwnMotion, around: Around) {
         let to = self.extrapolated(legs, motion);
         let ahead = to.unit(1e-9).unwrap_or(Vec2::zeros()) * self.step_margin;
         let falls = to.norm() > self.step_length + self.support;
@@ -268,18 +268,18 @@ mod tests {
     const STATURE: f64 = 1.73;
 
     /// Returns who is hit, and does not feel it as a load.
-    fn hit(velocity: f64) -> (Legs, Motion) {
+    fn hit(velocity: f64) -> (Legs, OwnMotion) {
         let motion =
-            Motion { at: Vec2::zeros(), velocity: vec2(velocity, 0.0), damping: FLOOR, stature: STATURE };
+            OwnMotion { at: Vec2::zeros(), velocity: vec2(velocity, 0.0), damping: FLOOR, stature: STATURE };
         (Legs::default().under(&motion, true), motion)
     }
 
     /// Moves legs and body for some time \[s\]; Heun's method.
-    fn pass(model: &Pendulum, (mut legs, mut motion): (Legs, Motion), time: f64) -> (Legs, Motion) {
+    fn pass(model: &Pendulum, (mut legs, mut motion): (Legs, OwnMotion), time: f64) -> (Legs, OwnMotion) {
         for _ in 0..(time / STEP).round() as u32 {
             let a = model.acceleration(&legs, &motion);
             let velocity = motion.velocity + a * STEP;
-            let next = Motion { at: motion.at + motion.velocity * STEP, velocity, ..motion };
+            let next = OwnMotion { at: motion.at + motion.velocity * STEP, velocity, ..motion };
             let b = model.acceleration(&legs, &next);
             model.pass(&mut legs, &motion, Around::default(), STEP);
             motion.at += (motion.velocity + velocity) * (0.5 * STEP);
@@ -288,7 +288,7 @@ mod tests {
         (legs, motion)
     }
 
-    fn pushed(velocity: f64, time: f64) -> (Legs, Motion) {
+    fn pushed(velocity: f64, time: f64) -> (Legs, OwnMotion) {
         pass(&Pendulum { bracing: 0.0, return_after: 100.0, ..Pendulum::default() }, hit(velocity), time)
     }
 
@@ -395,7 +395,7 @@ mod tests {
                 motion.velocity.x += 1e-4;
             }
             for part in [0.98, 1.02] {
-                let hit = Motion { velocity: motion.velocity * part, ..motion };
+                let hit = OwnMotion { velocity: motion.velocity * part, ..motion };
                 let steps = pass(&model, (legs.under(&hit, true), hit), 3.0).0.steps;
                 assert_eq!(steps > 0, part > 1.0, "{damping} {part}");
             }

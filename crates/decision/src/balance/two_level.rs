@@ -6,7 +6,7 @@
 //! mechanics. Where the body is above the legs, to within the balanced distance, e is shorter in proportion. Legs come
 //! under the body if v_b is larger than v_u; if they are equal, who leans walks on for ever.
 
-use super::{Legs, Motion, at_most};
+use super::{Legs, OwnMotion, at_most};
 use crate::cells::{Cells, nearest_points};
 use crate::error::{PlanError, moderate, number};
 use lemons_core::plane::{InPlane, Vec2};
@@ -73,12 +73,12 @@ impl TwoLevel {
         number("two-level", "repulsion", self.repulsion, most, "from 0 to 1000 m/s²")
     }
 
-    pub(super) fn is_balanced(&self, legs: &Legs, motion: &Motion) -> bool {
+    pub(super) fn is_balanced(&self, legs: &Legs, motion: &OwnMotion) -> bool {
         (motion.at - legs.at).norm() <= self.balanced
     }
 
     /// Returns whether somebody is slow enough to stand, above the legs.
-    pub(super) fn stops(&self, motion: &Motion) -> bool {
+    pub(super) fn stops(&self, motion: &OwnMotion) -> bool {
         motion.velocity.norm() <= self.balanced * motion.damping
     }
 
@@ -88,12 +88,12 @@ impl TwoLevel {
     }
 
     /// \[m/s²\] Returns the acceleration of the drive; the rest of λ_u (v_u e − v) is eq. 1's relaxation.
-    pub(super) fn drive(&self, legs: &Legs, motion: &Motion) -> Vec2 {
+    pub(super) fn drive(&self, legs: &Legs, motion: &OwnMotion) -> Vec2 {
         self.direction(motion.at - legs.at) * (self.speed * motion.damping)
     }
 
     /// Moves the legs of everybody who stands by a step of time \[s\].
-    pub(super) fn pass(&self, people: &mut [Option<(Legs, Motion)>], faces: &[[Vec2; 2]], step: f64) {
+    pub(super) fn pass(&self, people: &mut [Option<(Legs, OwnMotion)>], faces: &[[Vec2; 2]], step: f64) {
         if !people.iter().flatten().any(|(legs, _)| legs.stands) {
             return;
         }
@@ -108,7 +108,7 @@ impl TwoLevel {
         }
     }
 
-    fn move_legs(&self, legs: &mut Legs, motion: &Motion, repelled: Vec2, part: f64) {
+    fn move_legs(&self, legs: &mut Legs, motion: &OwnMotion, repelled: Vec2, part: f64) {
         let lean = motion.at - legs.at;
         let wanted = self.direction(lean) * self.legs_speed;
         legs.velocity += ((wanted - legs.velocity) * self.legs_rate + repelled) * part;
@@ -122,18 +122,18 @@ impl TwoLevel {
     }
 
     /// \[m/s²\] Returns by how much legs of others and walls accelerate everybody's legs.
-    fn repulsions(&self, people: &[Option<(Legs, Motion)>], faces: &[[Vec2; 2]]) -> Vec<Vec2> {
+    fn repulsions(&self, people: &[Option<(Legs, OwnMotion)>], faces: &[[Vec2; 2]]) -> Vec<Vec2> {
         if self.legs_distance == 0.0 || self.repulsion == 0.0 {
             return vec![Vec2::zeros(); people.len()];
         }
         let range = self.legs_distance.max(1e-3);
-        let seen = |i: usize, (legs, _): &(Legs, Motion)| (i, legs.at);
+        let seen = |i: usize, (legs, _): &(Legs, OwnMotion)| (i, legs.at);
         let cells = Cells::new(people, |(legs, _)| legs.at, faces, (range, range), seen);
         let of = |away: Vec2, range: f64| {
             let near = self.repulsion * (1.0 - away.norm() / range).max(0.0);
             away.unit(1e-9).map_or(Vec2::zeros(), |direction| direction * near)
         };
-        let one = |(i, person): (usize, &Option<(Legs, Motion)>)| {
+        let one = |(i, person): (usize, &Option<(Legs, OwnMotion)>)| {
             let Some((legs, _)) = person.as_ref().filter(|(legs, _)| legs.stands) else {
                 return Vec2::zeros();
             };
@@ -160,14 +160,14 @@ mod tests {
     const STEP: f64 = 5e-4;
     const DAMPING: f64 = 4.5;
 
-    fn person(x: f64, velocity: f64) -> Option<(Legs, Motion)> {
+    fn person(x: f64, velocity: f64) -> Option<(Legs, OwnMotion)> {
         let motion =
-            Motion { at: vec2(x, 0.0), velocity: vec2(velocity, 0.0), damping: DAMPING, stature: 1.73 };
+            OwnMotion { at: vec2(x, 0.0), velocity: vec2(velocity, 0.0), damping: DAMPING, stature: 1.73 };
         Some((Legs::new(motion.at, true), motion))
     }
 
     /// Moves bodies and legs; the floor takes the velocity of bodies.
-    fn pass(model: &TwoLevel, people: &mut [Option<(Legs, Motion)>], faces: &[[Vec2; 2]], time: f64) {
+    fn pass(model: &TwoLevel, people: &mut [Option<(Legs, OwnMotion)>], faces: &[[Vec2; 2]], time: f64) {
         for _ in 0..(time / STEP).round() as u32 {
             model.pass(people, faces, STEP);
             for (legs, motion) in people.iter_mut().flatten() {

@@ -1,6 +1,7 @@
 //! Where people want to go now, and how fast.
 
 use super::Decision;
+use crate::door;
 use crate::target::{Arrival, Destination, Ways};
 use lemons_core::plane::{InPlane, Vec2, rotation, segments_cross, vec2};
 use lemons_fmi::Answer;
@@ -132,13 +133,13 @@ impl Decision {
     fn share_before_door(&self, i: usize, way: Vec2, far: f64) -> Option<f64> {
         let (agent, disks) = (&self.agents[i], &self.plan.agents[i].disks);
         let at = agent.at();
-        let closed = self.plan.doors.iter().filter(|door| door.is_closed(self.time));
-        let ahead = closed.map(|door| (door, door.distance(at, way)));
+        let closed = self.plan.doors.iter().filter(|door| !door.is_open(self.time));
+        let ahead = closed.map(|door| (door, door::distance(door, at, way)));
         let ahead = ahead.filter(|(_, distance)| *distance <= far + AT_DOOR);
         let (door, distance) = ahead.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
         let before = at + way * distance;
         let hidden = self.faces.iter().any(|&[a, b]| segments_cross(at, before, a, b));
-        (!hidden).then(|| door.share(agent.pose, disks))
+        (!hidden).then(|| door::share(door, agent.pose, disks))
     }
 
     /// \[m\] How far it is along the way-points and to an exit or a goal.

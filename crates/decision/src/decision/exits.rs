@@ -88,7 +88,7 @@ impl Decision {
     /// Returns the doors on the way of an agent to an exit: when each is open, and how far it is from there \[m\].
     fn doors_on_the_way(&self, i: usize, exit: usize) -> Vec<(&OpeningTimes, f64)> {
         let doors = self.ways().into_iter().flat_map(|ways| ways.doors_to(exit, self.starts_from(i)));
-        doors.map(|(k, far)| (&self.plan.doors[k].open, far)).collect()
+        doors.filter_map(|(k, far)| Some((self.plan.doors[k].open.as_ref()?, far))).collect()
     }
 
     /// Returns the exit through which an agent is first without queues, at a time \[s\]: the nearest one on foot, if no door

@@ -1,7 +1,7 @@
 //! Legs of everybody: when it is decided who stands, and what the outputs say of them.
 
 use super::Decision;
-use crate::balance::{Balance, Legs, Motion, STILL};
+use crate::balance::{Balance, Legs, OwnMotion, STILL};
 use crate::target::Arrival;
 use lemons_core::plane::Vec2;
 use lemons_fmi::Answer;
@@ -76,7 +76,7 @@ impl Decision {
         let Some(balance) = self.plan.balance else { return };
         self.decide_legs(&balance);
         let legs = self.legs.take().unwrap_or_default().into_iter().zip(&self.agents);
-        let mut people: Vec<Option<(Legs, Motion)>> =
+        let mut people: Vec<Option<(Legs, OwnMotion)>> =
             legs.map(|(legs, agent)| Some((legs?, agent.motion()))).collect();
         balance.pass(&mut people, &self.faces, step);
         for (agent, (legs, _)) in
@@ -91,15 +91,21 @@ impl Decision {
 mod tests {
     use super::super::{Quantity, tests::decision};
     use super::*;
-    use crate::rule::Pose;
-    use lemons_core::plane::vec2;
+    use crate::WalkingModelName;
+    use lemons_core::plane::{Motion, Pose, Twist, vec2};
     use lemons_fmi::Model;
     use lemons_fmi::variables::{Dependencies, Known};
 
+    /// Somebody at x \[m\] with a velocity along x \[m/s\].
+    fn moving(x: f64, velocity: f64) -> Motion {
+        let twist = Twist { velocity: vec2(velocity, 0.0), ..Twist::default() };
+        Motion { pose: Pose::new(x, 0.0, 0.0), twist }
+    }
+
     /// Sees person 0 here with a velocity along x \[m/s\], and passes a step \[s\].
     fn step(decision: &mut Decision, x: f64, velocity: f64, step: f64) -> f64 {
-        let far = (Pose { x: 50.0, ..Pose::default() }, Vec2::zeros());
-        decision.see([(Pose { x, ..Pose::default() }, vec2(velocity, 0.0)), far].into_iter());
+        let far = moving(50.0, 0.0);
+        decision.see([moving(x, velocity), far].into_iter());
         let force = decision.acts().unwrap()[0].drive.force[0];
         decision.pass(step).unwrap();
         force
@@ -134,8 +140,9 @@ mod tests {
         let goal = "goals = [{ polygon = [[-1, -1], [1, -1], [1, 1], [-1, 1]] }]";
         let slow = "waypoints = [{ x = 9, y = 0 }]\n[agents.0]\ndesired_speed = 0.05";
         let stays = "exits = [{ line = [[9, -5], [9, 5]] }]\n[agents.0]\nwaypoints = []";
-        for (model, wishes) in ["straight", "collision-free-speed", "social-force", "rotational"]
-            .into_iter()
+        for (model, wishes) in WalkingModelName::ALL
+            .iter()
+            .map(|model| model.name())
             .flat_map(|model| [goal, slow, stays].map(|wishes| (model, wishes)))
         {
             let balance = if model == "straight" { "two-level" } else { "pendulum" };
@@ -168,12 +175,12 @@ mod tests {
         let mut decision = decision(
             "balance = \"pendulum\"\nexits = [{ line = [[1, -5], [1, 5]] }]\n[agents.0]\nwaypoints = []\n[agents.1]\ndesired_speed = 0",
         );
-        let still = Pose::default();
-        decision.see([(still, vec2(1.0, 0.0)), (still, Vec2::zeros())].into_iter());
+        let still = Motion::default();
+        decision.see([moving(0.0, 1.0), still].into_iter());
         assert_eq!([0, 1].map(|i| decision.number(Quantity::Balanced, i).unwrap()), [0.0, 1.0]);
         // Person 1 is pushed out.
         for x in [0.5, 0.9, 1.3, 1.5] {
-            decision.see([(still, Vec2::zeros()), (Pose { x, ..still }, vec2(2.0, 0.0))].into_iter());
+            decision.see([still, moving(x, 2.0)].into_iter());
             decision.acts().unwrap();
             decision.pass(0.1).unwrap();
         }
@@ -208,8 +215,8 @@ mod tests {
             "balance = \"pendulum\"\nwaypoints = [{ x = 90, y = 0 }]\ngroups.members = [[\"0\", \"1\"]]",
         );
         let mut balanced = |x: f64| {
-            let other = Pose { x, y: 0.9, theta: 0.0 };
-            decision.see([(Pose::default(), vec2(1.0, 0.0)), (other, Vec2::zeros())].into_iter());
+            let other = Motion { pose: Pose::new(x, 0.9, 0.0), ..Motion::default() };
+            decision.see([moving(0.0, 1.0), other].into_iter());
             decision.number(Quantity::Balanced, 0).unwrap()
         };
         assert_eq!([0.0, -5.0].map(&mut balanced), [1.0, 0.0]);

@@ -156,9 +156,9 @@ impl Decision {
         let super::Agent { pose, velocity, walker, .. } = self.agents.get_mut(i)?;
         let x = k % 2 == 0;
         Some(match quantity {
-            Quantity::Position if x => &mut pose.x,
-            Quantity::Position => &mut pose.y,
-            Quantity::Theta => &mut pose.theta,
+            Quantity::Position if x => &mut pose.position.x,
+            Quantity::Position => &mut pose.position.y,
+            Quantity::Theta => &mut pose.orientation,
             Quantity::Velocity => &mut velocity[k],
             Quantity::Mass => &mut walker.mass,
             Quantity::MomentOfInertia => &mut walker.moment_of_inertia,

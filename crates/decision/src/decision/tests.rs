@@ -1,20 +1,12 @@
 use super::*;
+use crate::WalkingModelName;
 use crate::config::DecisionConfig;
-use crate::person::Person;
+use lemons_core::trial::{self, AgentDynamics, Trial};
 
 pub(super) fn decision(wishes: &str) -> Decision {
-    let person = |id: &str| Person {
-        id: id.into(),
-        mass: 70.0,
-        stature: None,
-        moment_of_inertia: 1.3,
-        floor_damping: 2.0,
-        angular_damping: 4.0,
-        pose: Pose::default(),
-        disks: Vec::new(),
-    };
-    let wishes = DecisionConfig::from_toml(wishes).unwrap();
-    Decision::new(Plan::among(std::iter::empty(), &["0", "1"].map(person), &wishes, 0.05).unwrap())
+    let person = |id: &str| (trial::Agent::new(id, 70.0, 1.3, [2.0, 4.0]), AgentDynamics::default());
+    let trial = Trial::of(["0", "1"].map(person), Vec::new(), 0.05);
+    Decision::new(Plan::of(&trial, &DecisionConfig::from_toml(wishes).unwrap()).unwrap())
 }
 
 #[test]
@@ -54,7 +46,7 @@ fn motivation_changes_at_its_time_and_a_saved_run_goes_on_alike() {
 
 #[test]
 fn who_has_not_started_stands() {
-    for model in ["straight", "rotational", "collision-free-speed", "social-force"] {
+    for model in WalkingModelName::ALL.iter().map(|model| model.name()) {
         let mut decision = decision(&format!(
             "model = \"{model}\"\nwaypoints = [{{ x = 5, y = 0 }}]\nstart = 0.1\n[agents.1]\nstart = 0"
         ));
@@ -114,7 +106,7 @@ fn speeds_and_starts_are_drawn_with_the_seed() {
     assert!(drawn(1) == drawn(1) && drawn(1) != drawn(2));
     let refused = |text: &str| {
         let wishes = DecisionConfig::from_toml(&format!("waypoints = [{{ x = 5, y = 0 }}]\n{text}")).unwrap();
-        Plan::among(std::iter::empty(), &[], &wishes, 0.05).unwrap_err().to_string()
+        Plan::of(&Trial::of([], Vec::new(), 0.05), &wishes).unwrap_err().to_string()
     };
     let said = refused("start = { min = 2, max = 1 }");
     assert_eq!(said, "everybody: start: min = 2, max = 1: min must be below max");
@@ -129,7 +121,7 @@ fn states_with_impossible_numbers_or_of_another_plan_are_refused() {
     let good = decision.save();
     let forgeries: [fn(&mut Agent); 6] = [
         |agent| agent.legs.at.x = f64::INFINITY,
-        |agent| agent.pose.x = f64::NAN,
+        |agent| agent.pose.position.x = f64::NAN,
         |agent| agent.walker.mass = 0.0,
         |agent| agent.walker.waypoints[0].radius = -1.0,
         |agent| agent.choice.exit = Some(0),

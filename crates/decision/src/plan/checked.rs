@@ -1,7 +1,7 @@
 //! Whether a plan can be carried out.
 
+use super::Plan;
 use super::destinations::names;
-use super::{Door, Plan};
 use crate::error::{
     MOST_MEMBERS, MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative, number,
     positive,
@@ -18,7 +18,7 @@ impl Plan {
         }
         for agent in self.agents.iter().filter(|agent| agent.destination != Destination::None) {
             let last = agent.walker.waypoints.last().map(|w| vec2(w.x, w.y));
-            let from = last.unwrap_or(vec2(agent.pose.x, agent.pose.y));
+            let from = last.unwrap_or(agent.pose.position);
             if !ways.distance(agent.destination, from).is_finite() {
                 let to = match agent.destination {
                     Destination::Target(k) => self.targets[k].named(),
@@ -38,12 +38,9 @@ impl Plan {
         positive("the plan", "time_step", self.time_step)?;
         self.walking_model.check()?;
         self.balance.map_or(Ok(()), |balance| balance.check())?;
-        for corner in self.walls.iter().flatten().flatten() {
-            coordinate("a wall", "corner", *corner)?;
-        }
-        for (k, Door { corners, .. }) in self.doors.iter().enumerate() {
-            let place = format!("door {k}");
-            corners.iter().flatten().try_for_each(|at| coordinate(&place, "corner", *at))?;
+        let doors = self.doors.iter().map(|door| &door.corners);
+        for corner in self.walls.iter().chain(doors).flatten() {
+            corner.iter().try_for_each(|of| coordinate("a wall", "corner", *of))?;
         }
         for (k, motivation) in self.motivation.iter().enumerate() {
             let place = format!("motivation {k}");
@@ -60,18 +57,13 @@ impl Plan {
             motivation.push.map_or(Ok(()), |value| not_negative(&place, "push", value))?;
         }
         check_targets(&self.targets, self.time_step)?;
-        check_groups(&self.groups, self.agents.len())?;
+        for (k, group) in self.groups.iter().enumerate() {
+            if !(2..=MOST_MEMBERS).contains(&group.len()) {
+                return Err(PlanError::GroupSize { group: k, count: group.len() });
+            }
+        }
         for agent in &self.agents {
             let (place, walker, pose) = (format!("agent {:?}", agent.id), &agent.walker, &agent.pose);
-            if matches!(agent.destination, Destination::Target(k) if k >= self.targets.len()) {
-                let value = format!("{:?}", agent.destination);
-                return Err(PlanError::Value {
-                    place,
-                    key: "destination",
-                    value,
-                    must: "one of the targets",
-                });
-            }
             if walker.waypoints.len() > MOST_WAYPOINTS {
                 let (agent, count) = (agent.id.clone(), walker.waypoints.len());
                 return Err(PlanError::TooManyWaypoints { agent, count });
@@ -96,9 +88,9 @@ impl Plan {
                 |stature| (0.1..=10.0).contains(&stature),
                 "from 0.1 to 10 m",
             )?;
-            coordinate(&place, "x", pose.x)?;
-            coordinate(&place, "y", pose.y)?;
-            number(&place, "theta", pose.theta, |_| true, "finite")?;
+            coordinate(&place, "x", pose.position.x)?;
+            coordinate(&place, "y", pose.position.y)?;
+            number(&place, "theta", pose.orientation, |_| true, "finite")?;
             for (k, waypoint) in walker.waypoints.iter().enumerate() {
                 let place = format!("{place}, way-point {k}");
                 coordinate(&place, "x", waypoint.x)?;
@@ -109,23 +101,6 @@ impl Plan {
         }
         Ok(self)
     }
-}
-
-/// Checks that everybody is in one group at most, of so many people.
-fn check_groups(groups: &[Vec<usize>], people: usize) -> Result<(), PlanError> {
-    let mut seen = vec![false; people];
-    for (k, group) in groups.iter().enumerate() {
-        if !(2..=MOST_MEMBERS).contains(&group.len()) {
-            return Err(PlanError::GroupSize { group: k, count: group.len() });
-        }
-        for &i in group {
-            if seen.get_mut(i).is_none_or(|seen| std::mem::replace(seen, true)) {
-                let problem = "is not there, or is in two groups";
-                return Err(PlanError::Member { group: k, id: i.to_string(), problem });
-            }
-        }
-    }
-    Ok(())
 }
 
 /// Checks that each is a line or an area, and the times of exits: people leave at communication points only, a time step

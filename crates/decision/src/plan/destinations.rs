@@ -3,8 +3,8 @@
 use crate::config::{DecisionConfig, TargetConfig};
 use crate::error::{PlanError, not_negative, positive};
 use crate::exit_choice::ExitChoice;
-use crate::person::Person;
 use crate::target::{Destination, Target};
+use lemons_core::trial::Agent;
 
 /// Draws of a person that are those of the exit and of the way.
 const EXIT_DRAW: u64 = u64::MAX;
@@ -48,7 +48,7 @@ pub(super) fn targets_of(config: &DecisionConfig) -> Result<Vec<Target>, PlanErr
 /// Returns where everybody goes: the own wish; else by the shares of exits; else the nearest exit; else the only goal. Of
 /// each person, the settings of one who `leads` count.
 pub(super) fn destinations(
-    people: &[Person],
+    people: &[Agent],
     config: &DecisionConfig,
     targets: &[Target],
     groups: &[Vec<usize>],

@@ -3,9 +3,9 @@
 use crate::cells::{Cells, sees};
 use crate::config::{DecisionConfig, GroupsConfig};
 use crate::error::{MOST_MEMBERS, PlanError, not_negative, number, positive};
-use crate::person::Person;
 use crate::stuck::{draw, share};
-use lemons_core::plane::{InPlane, Vec2, vec2};
+use lemons_core::plane::{InPlane, Vec2};
+use lemons_core::trial::{Agent, AgentDynamics, Trial, Wall};
 use std::collections::HashMap;
 
 /// Relative numbers of groups of two, three and four: those of a Poisson distribution with a mean of 1.
@@ -17,12 +17,9 @@ const ORDER_DRAW: u64 = u64::MAX - 4;
 const SIZE_DRAW: u64 = u64::MAX - 5;
 
 /// Returns the groups as places in the order of people: those of the settings, then drawn ones.
-pub(super) fn groups(
-    people: &[Person],
-    config: &DecisionConfig,
-    faces: &[[Vec2; 2]],
-) -> Result<Vec<Vec<usize>>, PlanError> {
+pub(super) fn groups(trial: &Trial, config: &DecisionConfig) -> Result<Vec<Vec<usize>>, PlanError> {
     let Some(wanted) = &config.groups else { return Ok(Vec::new()) };
+    let people = &trial.agents;
     let mut free = vec![true; people.len()];
     let mut groups = named(wanted, people, &mut free)?;
     let part = wanted.share.unwrap_or(0.0);
@@ -45,11 +42,12 @@ pub(super) fn groups(
     let mut order: Vec<usize> = (0..people.len()).collect();
     order.sort_by_key(|&i| draw(seed, i as u64, ORDER_DRAW));
     // Places that are no numbers are refused later.
-    let place = |person: &Person| Some(vec2(person.pose.x, person.pose.y)).filter(|at| at.is_finite());
-    let places: Vec<Option<Vec2>> = people.iter().map(place).collect();
+    let place = |own: &AgentDynamics| Some(own.position).filter(|at| at.is_finite());
+    let places: Vec<Option<Vec2>> = trial.dynamics.iter().map(place).collect();
+    let faces: Vec<[Vec2; 2]> = trial.geometry.fixed_walls().flat_map(Wall::sides).collect();
     // Nobody is looked for where no group is drawn.
     let around: &[_] = if left < 2 { &[] } else { &places };
-    let cells = Cells::new(around, |at| *at, faces, (NEAR, NEAR), |j, at| (j, *at));
+    let cells = Cells::new(around, |at| *at, &faces, (NEAR, NEAR), |j, at| (j, *at));
     for i in order {
         if left < 2 {
             break;
@@ -82,7 +80,7 @@ pub(super) fn groups(
 }
 
 /// Returns the groups of the settings, and takes their members from those who are `free`.
-fn named(wanted: &GroupsConfig, people: &[Person], free: &mut [bool]) -> Result<Vec<Vec<usize>>, PlanError> {
+fn named(wanted: &GroupsConfig, people: &[Agent], free: &mut [bool]) -> Result<Vec<Vec<usize>>, PlanError> {
     // Of people with the same Id, the first one.
     let places: HashMap<&str, usize> =
         people.iter().enumerate().rev().map(|(i, person)| (&*person.id, i)).collect();
@@ -108,7 +106,7 @@ fn named(wanted: &GroupsConfig, people: &[Person], free: &mut [bool]) -> Result<
 /// # Errors
 /// Two members have different ones.
 pub(super) fn leads(
-    people: &[Person],
+    people: &[Agent],
     config: &DecisionConfig,
     groups: &[Vec<usize>],
 ) -> Result<Vec<usize>, PlanError> {

@@ -5,9 +5,8 @@ use super::destinations::targets_of;
 use crate::config::DecisionConfig;
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
-use crate::person::Person;
 use crate::target::{Destination, Ways};
-use lemons_core::plane::{Vec2, vec2};
+use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;
 
 /// Returns settings in which everybody goes somewhere: without those of people who are not there, and, where there are several
@@ -17,8 +16,7 @@ use lemons_core::trial::Trial;
 /// # Errors
 /// An exit or a goal is not one, or the area is too large.
 pub fn normalized(trial: &Trial, config: &DecisionConfig) -> Result<DecisionConfig, PlanError> {
-    let people = Person::all_of(trial);
-    let mut config = config.without_others(&people).unwrap_or_else(|| config.clone());
+    let mut config = config.without_others(&trial.agents).unwrap_or_else(|| config.clone());
     for none in [&mut config.exits, &mut config.goals] {
         none.take_if(|places| places.is_empty());
     }
@@ -32,13 +30,11 @@ pub fn normalized(trial: &Trial, config: &DecisionConfig) -> Result<DecisionConf
         return Ok(config);
     }
     let walls: Vec<Vec<Vec2>> = trial.geometry.fixed_walls().map(|wall| wall.corners.clone()).collect();
-    let at = |person: &Person| vec2(person.pose.x, person.pose.y);
-    let all = people
-        .iter()
-        .flat_map(|person| (0..targets.len()).map(move |target| (at(person), Destination::Target(target))));
+    let places = || trial.dynamics.iter().map(|own| own.position);
+    let all = places().flat_map(|at| (0..targets.len()).map(move |target| (at, Destination::Target(target))));
     let ways = Ways::new(&walls, &targets, all)?;
-    for person in &people {
-        let far = |target: usize| ways.distance(Destination::Target(target), at(person));
+    for (person, at) in trial.agents.iter().zip(places()) {
+        let far = |target: usize| ways.distance(Destination::Target(target), at);
         let nearest = (0..targets.len()).min_by(|a, b| far(*a).total_cmp(&far(*b)));
         let own = config.agents.entry(person.id.clone()).or_default();
         if own.goal.is_none() && own.exit.is_none() {

@@ -18,8 +18,10 @@
 //! People are seen as circles of one radius here; their bodies touch in the mechanics. The constants were chosen beside
 //! trajectories of experiments (`examples/experiments.py`, `docs/validation.md`).
 
-use super::{CLOSE, DesiredMotion, FAR, Walking};
+use super::near::facing;
+use super::{CLOSE, DesiredMotion, FAR, Walk, Walking};
 use crate::cells::{Cells, nearest_points, sees};
+use crate::error::{PlanError, moderate, not_negative, positive};
 use lemons_core::plane::{InPlane, Rotation, Vec2, rotation, vec2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
@@ -119,19 +121,45 @@ struct Other {
     depth: f64,
 }
 
-/// Returns what everybody wants.
-pub(super) fn desired(
-    model: &Rotational,
-    people: &[Option<Walking<'_>>],
-    faces: &[[Vec2; 2]],
-) -> Vec<DesiredMotion> {
-    let surroundings = Surroundings::new(people, faces);
-    let one = |walking: &Option<Walking<'_>>| match walking {
-        Some(walking) => of_one(model, walking, people, &surroundings),
-        None => DesiredMotion::default(),
-    };
-    people.iter().map(one).collect()
+impl Walk for Rotational {
+    fn check(&self) -> Result<(), PlanError> {
+        positive("rotational", "time_gap", self.time_gap)?;
+        not_negative("rotational", "standstill_gap", self.standstill_gap)?;
+        not_negative("rotational", "reaction_time", self.reaction_time)?;
+        positive("rotational", "acceleration", self.acceleration)?;
+        moderate("rotational", "speed_noise", self.speed_noise)
+    }
+
+    fn time_gap(&self) -> f64 {
+        self.time_gap
+    }
+
+    fn standstill_gap(&self) -> f64 {
+        self.standstill_gap
+    }
+
+    fn reaction_time(&self) -> f64 {
+        self.reaction_time
+    }
+
+    fn speed_noise(&self) -> f64 {
+        self.speed_noise
+    }
+
+    fn turns_shoulders(&self) -> bool {
+        true
+    }
+
+    fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {
+        let surroundings = Surroundings::new(people, faces);
+        let one = |walking: &Option<Walking<'_>>| match walking {
+            Some(walking) => of_one(self, walking, people, &surroundings),
+            None => DesiredMotion::default(),
+        };
+        people.iter().map(one).collect()
+    }
 }
+
 /// What everybody sees.
 struct Surroundings {
     cells: Cells<Other>,
@@ -430,7 +458,7 @@ fn of_one(
     let (sway, turn, fast) = SWAY;
     let slow = walking.pace * (1.0 - velocity.norm() / fast).max(0.0);
     let turned = turned.or_else(|| seen.passes_close.then(|| sideways(goal, TURNING.1, walking.theta)));
-    let facing = turned.unwrap_or_else(|| super::facing(goal, direction * speed));
+    let facing = turned.unwrap_or_else(|| facing(goal, direction * speed));
     DesiredMotion {
         velocity: velocity + change * most.min(1.0) + goal.left() * (slow * sway * libm::sin(walking.phase)),
         speed: if fits { quiet.clamp(0.0, walking.speed) } else { 0.0 },
@@ -546,7 +574,7 @@ mod tests {
     fn row(headway: f64, speed: f64) -> f64 {
         let velocity = vec2(speed, 0.0);
         let people = [0.0, headway].map(|x| Some(person(vec2(x, 0.0), velocity, vec2(1.0, 0.0))));
-        desired(&Rotational::default(), &people, &[])[0].velocity.x
+        Rotational::default().desired(&people, &[])[0].velocity.x
     }
 
     #[test]
@@ -567,7 +595,7 @@ mod tests {
             let ahead = vec2(1.0, 0.0);
             let one = Walking { reaction_time, ..person(Vec2::zeros(), ahead * 0.7, ahead) };
             let people = [one, person(ahead, ahead * 0.3, ahead)].map(Some);
-            let speed = desired(&Rotational::default(), &people, &[])[0].velocity.x;
+            let speed = Rotational::default().desired(&people, &[])[0].velocity.x;
             let gap = 1.0 - 0.3 - 0.4 * (0.22 - reaction_time);
             assert!((speed - (gap - 0.09) / 0.9).abs() < 1e-12, "{reaction_time}: {speed}");
         }
@@ -579,7 +607,7 @@ mod tests {
             let (there, back) = (vec2(1.0, 0.0), vec2(-1.0, 0.0));
             let one = person(Vec2::zeros(), there, there);
             let other = Walking { destination, waypoint, ..person(vec2(3.3, offset), back, back) };
-            let both = desired(&Rotational::default(), &[Some(one), Some(other)], &[]);
+            let both = Rotational::default().desired(&[Some(one), Some(other)], &[]);
             [both[0].steering, both[1].steering]
         };
         // After 1.5 s they are 3 m nearer, two radii apart. What is missing of 0.6 m is divided by this time.
@@ -605,7 +633,7 @@ mod tests {
             let slow = person(vec2(0.8, -0.1), there * 0.3, there);
             let other = Walking { destination: 1, ..person(vec2(3.5, y), back, back) };
             let people = [person(Vec2::zeros(), there, there), slow, other].map(Some);
-            desired(&Rotational::default(), &people, &[])[0].steering
+            Rotational::default().desired(&people, &[])[0].steering
         };
         // There, one walks behind the slow one: to the right.
         let weight = (-(0.8 / AHEAD + 0.1 / ACROSS)).exp() * 0.1 / (0.1 + OFFSET);
@@ -672,7 +700,7 @@ mod tests {
             let leader = Walking { direction, ..person(vec2(0.8, -0.1), Vec2::zeros(), there) };
             let other = Walking { destination: 1, ..person(vec2(3.5, 0.8), back, back) };
             let people = [person(Vec2::zeros(), there, there), leader, other].map(Some);
-            desired(&Rotational::default(), &people, &[])[0].steering
+            Rotational::default().desired(&people, &[])[0].steering
         };
         assert!(steering(Some(there)) < -0.1);
         assert_eq!(steering(None), 0.0);
@@ -685,7 +713,7 @@ mod tests {
         let model = Rotational::default();
         let of = |people: &[Walking<'_>], walls: &[[Vec2; 2]]| {
             let people: Vec<_> = people.iter().copied().map(Some).collect();
-            desired(&model, &people, walls)
+            model.desired(&people, walls)
         };
         let near = |a: &DesiredMotion, b: &DesiredMotion, sign: f64| {
             let facing = (a.facing.unwrap(), b.facing.unwrap());

@@ -12,7 +12,7 @@ fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
         "doors": [{"at": [8.1, 3.0], "width": 0.9}],
     });
     let region = json!([[0.0, 0.0], [4.0, 0.0], [4.0, 6.0], [0.0, 6.0]]);
-    let base = with(with(crowd(1, room.clone()), "region", region), "number", Value::Null);
+    let base = with(with(crowd(1, room.clone()), "regions", part(region)), "number", Value::Null);
     let (made, first) = ok(&mut lab, own(with(base.clone(), "density", json!(2.0))));
     // 24 m² less the obstacle.
     assert!(close(made["made"]["area"].as_f64().unwrap(), 23.75, 1e-9));
@@ -29,12 +29,12 @@ fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
     // Walls cut the region, as those of `lemons crowd --region`.
     for (left, right, area) in [(4.0, 9.0, 24.0), (1.7, 4.0, 2.3 * 6.0 - 0.3 * 0.5)] {
         let region = json!([[left, 0.0], [right, 0.0], [right, 6.0], [left, 6.0]]);
-        let wanted = with(with(base.clone(), "density", json!(1.0)), "region", region);
+        let wanted = with(with(base.clone(), "density", json!(1.0)), "regions", part(region));
         let made = ok(&mut lab, own(wanted)).0["made"]["area"].as_f64().unwrap();
         assert!(close(made, area, 1e-9), "{made} {area}");
     }
     for (key, value, words) in [
-        ("region", json!([[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 4.0]]), "area is 0"),
+        ("regions", part(json!([[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 4.0]])), "area is 0"),
         (
             "room",
             with(room.clone(), "outline", json!([[0.0, 0.0], [8.0, 6.0], [8.0, 0.0], [0.0, 4.0]])),
@@ -42,7 +42,7 @@ fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
         ),
         ("room", with(room.clone(), "doors", json!([{"at": [0.0, 90.0], "width": 1.0}])), "door 0"),
         ("men", json!(1.5), "men"),
-        ("density", json!(9.0), "either the number"),
+        ("density", json!(9.0), "number and density: one of them"),
     ] {
         let base = with(with(base.clone(), "number", json!(40)), key, value);
         let said = refused(&mut lab, own(base), &[]);

@@ -111,7 +111,7 @@ fn without_exits_everybody_goes_to_the_goal_that_is_nearest_on_foot() {
     let mut place = square(4.0, 4.0);
     place["obstacles"] = json!([[[1.9, 0.01], [2.1, 0.01], [2.1, 3.0], [1.9, 3.0]]]);
     let region = json!([[2.4, 0.2], [3.8, 0.2], [3.8, 1.6], [2.4, 1.6]]);
-    let base = with(crowd(3, place), "region", region);
+    let base = with(crowd(3, place), "regions", part(region));
     let goals = [line("left", [1.5, 0.3, 1.5, 1.3]), line("above", [2.8, 3.6, 3.6, 3.6])];
     ok(&mut lab, show(base.clone(), go(&[], &goals)));
     let wishes: toml::Table = trial(&mut lab, 1).1.parse().unwrap();

@@ -122,9 +122,14 @@ fn square(width: f64, height: f64) -> Value {
 
 fn crowd(number: u32, room: Value) -> Value {
     json!({
-        "kind": "crowd", "number": number, "density": null, "seed": 3, "room": room, "region": null,
+        "kind": "crowd", "number": number, "density": null, "seed": 3, "room": room,
         "people": {"kind": "survey"}, "men": 0.5, "direction": null, "speed": 0.0, "material": "human_naked",
     })
+}
+
+/// One region with these corners.
+fn part(corners: Value) -> Value {
+    json!([{"corners": corners}])
 }
 
 /// The base with another value at a key.

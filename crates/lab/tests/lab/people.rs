@@ -161,12 +161,14 @@ fn populations_are_the_survey_own_statistics_or_tables() {
     assert_eq!(breadth["measure"], "bideltoid breadth");
     assert!(close(breadth["mean"].as_f64().unwrap(), mean, 1e-9), "{kinds:?}");
     let table = "bideltoidbreadth,chestdepth,stature,weightkg\n400,200,1600,600\n";
-    let of = json!({"kind": "table", "files": [["female", "t.csv", table.len()]]});
-    let (shown, _) = ask(&mut lab, &own(base(of.clone(), 0.0)), table.as_bytes());
+    let tables = |text: &str| {
+        let shown = own(base(json!({"kind": "tables", "female": "t.csv"}), 0.0));
+        with(shown, "tables", json!([["t.csv", text.len()]]))
+    };
+    let (shown, _) = ask(&mut lab, &tables(table), table.as_bytes());
     assert_eq!(shown["ok"]["scene"]["people"][29]["breadth"], 0.4, "{shown}");
     let wrong = table.replace("400", "4000");
-    let of = json!({"kind": "table", "files": [["female", "t.csv", wrong.len()]]});
-    let said = refused(&mut lab, own(base(of, 0.0)), wrong.as_bytes());
+    let said = refused(&mut lab, tables(&wrong), wrong.as_bytes());
     assert!(said.contains("t.csv") && said.contains("4000"), "{said}");
 }
 
@@ -250,8 +252,7 @@ fn a_mix_of_kinds_is_drawn_shown_kept_and_walks_at_its_own_speeds() {
     }
     let said = refused(&mut lab, walk(&with(base.clone(), "round", json!(true))), &[]);
     assert!(said.contains("round bodies are of adults with nothing"), "{said}");
-    let full =
-        with(with(crowd(60, square(5.0, 5.0)), "mix", json!({"wheelchair": 1})), "region", Value::Null);
+    let full = with(crowd(60, square(5.0, 5.0)), "mix", json!({"wheelchair": 1}));
     let said = refused(&mut lab, own(full), &[]);
     // 60 chairs of 0.7 m² have more than 25 m²: about half of them fit.
     let count: f64 =

@@ -74,8 +74,11 @@ fn who_is_pushed_may_have_legs() {
 #[test]
 fn people_walk_to_the_nearer_way_and_arrive() {
     let mut lab = Lab::default();
-    let base =
-        with(crowd(2, square(4.0, 1.5)), "region", json!([[0.0, 0.0], [2.0, 0.0], [2.0, 1.5], [0.0, 1.5]]));
+    let base = with(
+        crowd(2, square(4.0, 1.5)),
+        "regions",
+        part(json!([[0.0, 0.0], [2.0, 0.0], [2.0, 1.5], [0.0, 1.5]])),
+    );
     let way = json!([{"x": 3.2, "y": 0.75, "radius": 0.9, "wait": 0.0}]);
     let far = json!([{"x": 50.0, "y": 0.75, "radius": 0.5}]);
     let motion = json!({"kind": "walk", "speed": 1.3, "ways": [far, way]});
@@ -289,7 +292,7 @@ fn time_above_a_limit_is_that_of_the_library() {
         let squeeze = frame.map(|squeeze| squeeze.is_finite().then_some((squeeze, squeeze)));
         exposure.add(k as f64 * step, squeeze.into_iter());
     }
-    let one = exposure.finish()[0].above[0].unwrap();
+    let one = exposure.so_far()[0].above[0].unwrap();
     assert_eq!(
         [number("first"), number("longest"), number("time")],
         [one.first.unwrap(), one.longest, one.time]

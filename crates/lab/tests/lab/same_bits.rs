@@ -3,7 +3,7 @@
 use crate::{advance, ask, ok, opened};
 use crowd_mechanics::pack::Format;
 use lemons_core::trial::{DriveChoice, Problems, Rule};
-use lemons_decision::{DecisionConfig, Plan, pack};
+use lemons_decision::{DecisionConfig, pack};
 use lemons_lab::Lab;
 use lemons_lab::frame::{COLUMNS, frame};
 use lemons_master::ssp::{Participant, write_archive};
@@ -50,7 +50,7 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
     lemons_master::pack(&[given], vec![own_binary().unwrap()], format, None, &crowd, file).unwrap();
     let input = match &scene.documents.plan {
         None => crowd,
-        Some(plan) => coupled(directory.path(), plan, format, crowd),
+        Some(_) => coupled(directory.path(), &scene.documents, format, crowd),
     };
     let settings =
         Settings { until: Some(clock.until), step: Some(clock.step), algorithm, ..Settings::of(input) };
@@ -71,10 +71,17 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
     all
 }
 
-fn coupled(directory: &Path, plan: &Plan, format: Format, crowd: PathBuf) -> PathBuf {
+fn coupled(directory: &Path, documents: &Documents, format: Format, crowd: PathBuf) -> PathBuf {
     let decision = directory.join("decision.fmu");
     let binary = binary_beside("lemons_decision_fmu").unwrap();
-    pack::write_fmu(plan, format, &[binary], File::create(&decision).unwrap()).unwrap();
+    pack::write_fmu(
+        &documents.trial,
+        documents.plan.as_ref().unwrap(),
+        format,
+        &[binary],
+        File::create(&decision).unwrap(),
+    )
+    .unwrap();
     let files = [("decision", decision), ("crowd", crowd)];
     let files = files.map(|(name, path)| (name, format!("resources/{name}.fmu"), path));
     let interfaces = files.each_ref().map(|(.., path)| lemons_master::Fmu::open(path).unwrap().description);

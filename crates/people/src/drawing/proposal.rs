@@ -13,7 +13,6 @@ use crate::error::{Result, require};
 use crate::{Door, is_closed};
 use lemons_core::plane::overlay::{self, Contour};
 use lemons_core::plane::{Bounds, Ring, Vec2, convex_hull, segments_touch, vec2};
-use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// \[m\] Widest gap that is closed if nothing else is said.
@@ -33,9 +32,7 @@ const TOO_THICK: [f64; 2] = [THICKNESS[1] + 0.01, 1.0];
 const FRAME: f64 = 1.0;
 
 /// How walls enclose a room.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Enclosing {
     /// Layers whose closed lines are obstacles.
     pub obstacles: Vec<String>,

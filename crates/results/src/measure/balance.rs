@@ -11,8 +11,8 @@ pub struct Kept {
     pub time_unbalanced: f64,
     /// Number of steps since the first frame.
     pub steps: u32,
-    /// Whether the person could not be saved from a fall, until the last frame.
-    pub fallen: bool,
+    /// 1 for who could not be saved from a fall, until the last frame, and 0 for others.
+    pub falls: u32,
     /// \[m\] Largest distance of the centre of mass from the middle of the feet, at the frames.
     pub lean: f64,
 }
@@ -47,7 +47,7 @@ impl Balance {
         self.before = Some(frame.time);
         let people = self.people.iter_mut().zip(legs).zip(&self.begun).enumerate();
         for (agent, ((one, OfLegs { feet, steps, balanced, fallen }), begun)) in people {
-            (one.steps, one.fallen) = (steps.saturating_sub(*begun), *fallen);
+            (one.steps, one.falls) = (steps.saturating_sub(*begun), (*fallen).into());
             if let Some(motion) = present(frame, agent) {
                 one.time_unbalanced += if *balanced { 0.0 } else { step };
                 one.lean = one.lean.max((motion.pose.position - *feet).norm());

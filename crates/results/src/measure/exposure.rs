@@ -3,8 +3,9 @@
 //! The mean squeeze of each communication step is its impulse over its length. So what is computed here, but for the
 //! peak, does not depend on when a crowd is looked at within a step: within a step the squeeze counts as its mean.
 
-use crate::measure::ROUNDING;
+use crate::Frame;
 use crate::measure::impulses::MovingMeans;
+use crate::measure::{By, ROUNDING, squeeze};
 
 /// \[s\] The lengths of moving means.
 pub const SPANS: [f64; 3] = [0.1, 1.0, 10.0];
@@ -23,6 +24,8 @@ pub struct Exposed {
     pub impulse: f64,
     /// \[N\] Largest squeeze within any step.
     pub peak: f64,
+    /// \[N\] Largest mean squeeze over a communication step.
+    pub largest_step: f64,
 }
 
 /// How long a person was above a level, and from when.
@@ -66,6 +69,8 @@ pub struct Exposure {
     over: Option<f64>,
     /// Whether a span of this length was over.
     spanned: bool,
+    /// Whether all frames say how people are squeezed.
+    said: bool,
     people: Vec<Exposed>,
     impulses: MovingMeans,
     /// \[s\]
@@ -81,9 +86,21 @@ impl Exposure {
             levels: levels.to_vec(),
             over,
             spanned: false,
+            said: true,
             people: vec![Exposed { above, ..Exposed::default() }; people],
             impulses: MovingMeans::over(SPANS.into_iter().chain(over).fold(0.0, f64::max)),
             longest_step: 0.0,
+        }
+    }
+
+    /// Adds the next frame; with `by`, the squeeze by people or by walls alone.
+    pub fn see(&mut self, frame: &Frame, by: Option<By>) {
+        let seen = frame.observed.as_deref();
+        let mut steps = seen.unwrap_or_default().iter().map(|seen| seen.of_step);
+        self.said &= seen.is_some()
+            && steps.all(|step| step.is_some_and(|step| by.is_none() || step.mean_wall_force.is_some()));
+        if self.said {
+            self.add(frame.time, (0..self.people.len()).map(|agent| squeeze(frame, agent, by)));
         }
     }
 
@@ -101,6 +118,7 @@ impl Exposure {
             };
             person.time += step;
             person.peak = person.peak.max(peak);
+            person.largest_step = person.largest_step.max(mean);
             person.impulse = *impulse;
             if self.over.is_none() {
                 for (above, level) in person.above.iter_mut().flatten().zip(&self.levels) {
@@ -148,8 +166,17 @@ impl Exposure {
     }
 
     /// Returns what each person was exposed to.
-    pub fn finish(self) -> Vec<Exposed> {
-        self.so_far()
+    ///
+    /// # Errors
+    /// Why it is not known.
+    pub fn finish(&self) -> Result<Vec<Exposed>, &'static str> {
+        if !self.said {
+            return Err("the results do not contain the mean squeeze over communication steps");
+        }
+        if self.longest_step <= 0.0 {
+            return Err("there is only one frame, so no communication step");
+        }
+        Ok(self.so_far())
     }
 
     /// Returns what each person was exposed to up to now.
@@ -181,6 +208,8 @@ fn part_above((a, b): (f64, f64), level: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Observed, OfStep};
+    use lemons_core::plane::Motion;
 
     /// Returns the exposure of a person whose squeeze has this integral \[N s\] from 0 to a time, in steps of this length \[s\].
     fn exposed(impulse: impl Fn(f64) -> f64, step: f64, until: f64, mut exposure: Exposure) -> Exposed {
@@ -189,7 +218,7 @@ mod tests {
             let mean = (impulse(time) - impulse(from)) / step;
             exposure.add(time, [Some((mean, mean))].into_iter());
         }
-        exposure.finish().remove(0)
+        exposure.so_far().remove(0)
     }
 
     fn times(above: &[Option<Above>]) -> Vec<Option<f64>> {
@@ -293,7 +322,7 @@ mod tests {
             exposure.add(time, [Some((*mean, *mean))].into_iter());
             fine.extend(std::iter::repeat_n(*mean, *length));
         }
-        let one = exposure.finish().remove(0);
+        let one = exposure.so_far().remove(0);
         for (k, span) in [100, 1000].into_iter().enumerate() {
             let largest = fine.windows(span).map(|part| part.iter().sum::<f64>() / span as f64);
             near(one.largest_mean[k].unwrap(), largest.fold(0.0, f64::max));
@@ -308,11 +337,34 @@ mod tests {
             let there = Some((100.0, 120.0));
             exposure.add(f64::from(k) * 0.1, [there, there.filter(|_| k <= 5)].into_iter());
         }
-        let [stays, leaves] = <[Exposed; 2]>::try_from(exposure.finish()).unwrap();
+        let [stays, leaves] = <[Exposed; 2]>::try_from(exposure.so_far()).unwrap();
         near(stays.impulse, 200.0);
         near(leaves.impulse, 50.0);
         near(leaves.time, 0.5);
         near(times(&leaves.above)[0].unwrap(), 0.5);
         near(leaves.largest_mean[1].unwrap(), 50.0);
+    }
+
+    /// Two people for a second: by 300 N, of which 100 N are by walls, in frames that say all, one of these, or nothing.
+    #[test]
+    fn what_frames_do_not_say_is_not_known() {
+        let seen = |step: Option<OfStep>, frames: u32, by: Option<By>| {
+            let mut exposure = Exposure::new(2, &[], None);
+            for k in 0..frames {
+                let observed = vec![Observed { of_step: step, ..Observed::default() }; 2];
+                let (time, agents) = (f64::from(k), vec![Motion::default(); 2]);
+                exposure.see(&Frame { time, agents, observed: Some(observed), ..Frame::default() }, by);
+            }
+            exposure.finish().map(|each| [each[1].impulse, each[1].largest_step])
+        };
+        let whole = OfStep { mean_normal_force: 300.0, mean_wall_force: Some(100.0), ..OfStep::default() };
+        for (by, expected) in [(None, 300.0), (Some(By::People), 200.0), (Some(By::Walls), 100.0)] {
+            assert_eq!(seen(Some(whole), 2, by), Ok([expected; 2]));
+        }
+        let parts = Some(OfStep { mean_wall_force: None, ..whole });
+        assert_eq!(seen(parts, 2, None), Ok([300.0; 2]));
+        assert!(seen(parts, 2, Some(By::Walls)).unwrap_err().contains("do not contain the mean squeeze"));
+        assert!(seen(None, 2, None).unwrap_err().contains("do not contain the mean squeeze"));
+        assert!(seen(parts, 1, None).unwrap_err().contains("only one frame"));
     }
 }

@@ -4,7 +4,6 @@ use lemons_core::plane::Vec2;
 use lemons_core::trial::{Problem, Rule};
 use lemons_decision::Plan;
 use lemons_decision::target::nearest_exit;
-use lemons_decision::walking_model::WalkingModel;
 use lemons_results::Frame;
 use std::path::Path;
 
@@ -76,7 +75,7 @@ impl RunEnd {
     /// further.
     fn stuck(&self, plan: &Plan, forces: &[Vec2]) -> Option<String> {
         // With legs, who is pushed and stands does not press on.
-        if plan.walking_model != WalkingModel::Straight || plan.balance.is_some() {
+        if plan.walking_model.sees_others() || plan.balance.is_some() {
             return None;
         }
         let frame = &self.last;

@@ -23,7 +23,7 @@ pub(super) fn unfit(plan: &Plan) -> Vec<(Rule, String)> {
     let (leaving, opposite) = match plan.walking_model {
         WalkingModel::CollisionFreeSpeed(_) => (Rule::SpeedLeaves, Rule::SpeedMeets),
         WalkingModel::SocialForce(_) => (Rule::ForceLeaves, Rule::ForceMeets),
-        WalkingModel::Straight => (Rule::StraightLeaves, Rule::StraightMeets),
+        WalkingModel::Straight(_) => (Rule::StraightLeaves, Rule::StraightMeets),
         WalkingModel::Rotational(_) => return Vec::new(),
     };
     let leave = plan.leaving().contains(&true).then(|| (leaving, String::new()));
@@ -71,7 +71,7 @@ fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
     let closed: Vec<Ring> =
         walls.iter().filter(|wall| is_closed(wall)).filter_map(|wall| Ring::through(wall.clone())).collect();
     let held = |p: Vec2| closed.iter().map(|wall| wall.contains(p)).collect::<Vec<bool>>();
-    let people = plan.agents.iter().take(MOST).map(|agent| held(vec2(agent.pose.x, agent.pose.y)));
+    let people = plan.agents.iter().take(MOST).map(|agent| held(agent.pose.position));
     let people: BTreeSet<Vec<bool>> = people.collect();
     // Within the same closed walls as somebody.
     let is_with = |p: Vec2| people.contains(&held(p));
@@ -118,7 +118,7 @@ fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
 /// Finds ways to way-points that cross walls: they are straight.
 fn ways_through_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Option<String> {
     let leg = |agent: &Planned| {
-        let mut from = vec2(agent.pose.x, agent.pose.y);
+        let mut from = agent.pose.position;
         agent.walker.waypoints.iter().find_map(|next| {
             let to = vec2(next.x, next.y);
             let leg = [from, to];
@@ -178,7 +178,7 @@ struct Way<'a> {
 
 impl<'a> Way<'a> {
     fn of(agent: &'a Planned, ways: Option<&Ways>) -> Option<Way<'a>> {
-        let at = vec2(agent.pose.x, agent.pose.y);
+        let at = agent.pose.position;
         if let Some(first) = agent.walker.waypoints.first() {
             let to = vec2(first.x, first.y) - at;
             return Some(Way { agent, at, direction: to.unit(1e-9)?, length: to.norm() });
@@ -210,7 +210,7 @@ fn meeting<'a>(plan: &'a Plan) -> Option<[&'a str; 2]> {
     let every = plan.agents.len().div_ceil(MOST);
     let looked_at = plan.agents.iter().step_by(every);
     let people: Vec<Way> = looked_at.filter_map(|agent| Way::of(agent, ways.as_ref())).collect();
-    let walls = plan.polylines();
+    let walls = &plan.walls;
     let hidden = |a: Vec2, b: Vec2| {
         walls.iter().any(|wall| wall.windows(2).any(|ends| segments_cross(a, b, ends[0], ends[1])))
     };
@@ -228,9 +228,9 @@ fn meeting<'a>(plan: &'a Plan) -> Option<[&'a str; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_core::trial::Wall;
-    use lemons_decision::rule::Pose;
-    use lemons_decision::{DecisionConfig, Person};
+    use lemons_core::plane::vec2;
+    use lemons_core::trial::{Agent, AgentDynamics, Trial, Wall};
+    use lemons_decision::DecisionConfig;
 
     /// The outside: by hand. Two closed rooms of 5 m by 5 m, side by side, a pillar in the first.
     #[test]
@@ -242,15 +242,9 @@ mod tests {
         let rooms = [[0.0, 0.0, 5.0, 5.0], [10.0, 0.0, 15.0, 5.0], [2.0, 2.0, 3.0, 3.0]];
         let walls = ["a", "b", "pillar"].iter().zip(rooms).map(|(id, sides)| rectangle(id, sides)).collect();
         let geometry = Geometry { dimensions: None, walls };
-        let person = |x: f64| Person {
-            id: x.to_string(),
-            mass: 80.0,
-            stature: None,
-            moment_of_inertia: 1.5,
-            floor_damping: 2.0,
-            angular_damping: 4.0,
-            pose: Pose { x, y: 1.0, theta: 0.0 },
-            disks: vec![[0.0, 0.0, 0.12]],
+        let person = |x: &f64| {
+            let agent = Agent::new(x.to_string(), 80.0, 1.5, [2.0, 4.0]).with_disks(&[[0.0, 0.0, 0.12]]);
+            (agent, AgentDynamics { position: vec2(*x, 1.0), ..AgentDynamics::default() })
         };
         // The numbers of the exits that are doubted.
         let doubted = |people: &[f64], exits: &[[f64; 4]]| -> Vec<usize> {
@@ -261,10 +255,8 @@ mod tests {
             };
             let config = format!("exits = [{}]", exits.iter().map(exit).collect::<Vec<_>>().join(", "));
             let config = DecisionConfig::from_toml(&config).unwrap();
-            let people: Vec<Person> = people.iter().map(|x| person(*x)).collect();
-            let walls = geometry.walls.iter().map(|wall| &wall.corners[..]);
-            let plan = Plan::among(walls, &people, &config, 0.05).unwrap();
-            let said = out_of_reach(&plan, &geometry);
+            let trial = Trial::of(people.iter().map(person), geometry.walls.clone(), 0.05);
+            let said = out_of_reach(&Plan::of(&trial, &config).unwrap(), &geometry);
             let of =
                 |k: &usize| said.iter().any(|(_, text)| text.starts_with(&format!("exit \"exit {k}\" at")));
             (0..exits.len()).filter(of).collect()

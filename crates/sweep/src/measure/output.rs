@@ -1,8 +1,9 @@
 //! Numbers computed from the values of an output at the communication points.
 
-use crate::measure::Across;
+use crate::measure::check_across;
 use crate::output::Of;
 use lemons_master::ensure;
+use lemons_results::measure::Across;
 use serde::Deserialize;
 
 /// How the values of an output over time become one number.
@@ -64,7 +65,7 @@ impl OfOutput {
             (_, level) => ensure(level.is_none_or(f64::is_finite), || "level is not finite")?,
         }
         let single = agents <= 1 || matches!(self.take, Take::Max | Take::Min | Take::Mean);
-        Across::check(self.across, if single { 1 } else { agents })
+        check_across(self.across, if single { 1 } else { agents })
     }
 
     /// Adds the values of all its agents at a time \[s\]; `None` for those who have left.

@@ -1,8 +1,7 @@
 //! How long and how hard people are squeezed.
 
-use crate::measure::Across;
 use lemons_master::ensure;
-use lemons_results::measure::{By, Exposed, Exposure, SPANS};
+use lemons_results::measure::{Across, By, Exposed, Exposure, SPANS};
 use serde::Deserialize;
 
 /// A measure of the squeeze of people over time, by its mean over each communication step.
@@ -51,14 +50,14 @@ impl OfSqueeze {
         SPANS.into_iter().position(|span| Some(span) == self.over)
     }
 
-    /// Checks that the measure is complete, for a number of agents.
+    /// Checks that the measure is complete, but for `across`.
     ///
     /// # Errors
     /// A sentence that names what is missing.
-    pub(crate) fn check(&self, agents: usize) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         let (mean, above) = (self.squeeze == What::LargestMean, self.squeeze == What::TimeAbove);
         let Self { over, level, .. } = self;
-        for (holds, why) in [
+        let mistakes = [
             (
                 !mean || self.place().is_some(),
                 "squeeze = \"largest_mean\" needs over = 0.1, 1 or 10 (seconds)",
@@ -78,32 +77,28 @@ impl OfSqueeze {
                 level.is_none_or(|level| level >= 0.0 && level.is_finite()),
                 "level must be a finite number of newtons, not below 0",
             ),
-        ] {
-            ensure(holds, || why)?;
-        }
-        Across::check(self.across, agents)
+        ];
+        mistakes.into_iter().try_for_each(|(holds, why)| ensure(holds, || why.to_owned()))
     }
 
-    /// Begins to sum up the squeeze of so many agents.
-    pub(crate) fn begin(&self, agents: usize) -> Exposure {
-        let levels: Vec<f64> = self.level.into_iter().collect();
-        Exposure::new(agents, &levels, self.over.filter(|_| self.squeeze == What::TimeAbove))
+    /// Begins to sum up the squeeze of so many people.
+    pub(crate) fn begin(&self, people: usize) -> Exposure {
+        let over = self.over.filter(|_| self.squeeze == What::TimeAbove);
+        Exposure::new(people, self.level.as_slice(), over)
     }
 
-    /// Returns the number of what was seen; `None` if it is not known of all of them: there is no step, or the time is too
-    /// short for a mean over it.
-    pub(crate) fn value(&self, seen: Exposure) -> Option<f64> {
-        if seen.longest_step() <= 0.0 {
-            return None;
-        }
+    /// Returns the number of the agents at these places; `None` if it is not known of all of them: there is no step, or the
+    /// time is too short for a mean over it.
+    pub(crate) fn value(&self, agents: &[usize], seen: &Exposure) -> Option<f64> {
         let of = |one: &Exposed| match self.squeeze {
-            What::TimeAbove => one.above.first().copied().flatten().map(|above| above.time),
+            What::TimeAbove => one.above[0].map(|above| above.time),
             What::LargestMean => one.largest_mean[self.place()?],
             What::Peak => Some(one.peak),
             What::Impulse => Some(one.impulse),
             What::Time => Some(one.time),
         };
-        let values: Vec<f64> = seen.finish().iter().map(of).collect::<Option<_>>()?;
+        let all = seen.finish().ok()?;
+        let values: Vec<f64> = agents.iter().map(|agent| of(&all[*agent])).collect::<Option<_>>()?;
         self.across.unwrap_or(Across::Max).of(values.into_iter())
     }
 }

@@ -3,8 +3,9 @@
 use crate::checks::{Figure, Result, ensure, largest};
 use crowd_mechanics::engine::*;
 use crowd_mechanics::scenes::*;
-use lemons_decision::rule::Pose as SeenPose;
-use lemons_decision::{Decision, DecisionConfig, Person, Plan};
+use lemons_core::plane::Motion;
+use lemons_core::trial::{Agent, AgentDynamics, Trial};
+use lemons_decision::{Decision, DecisionConfig, Plan};
 
 pub(crate) const FIGURES: &[Figure] = &[fall, || Ok(pushed_row()?[0]), || Ok(pushed_row()?[1])];
 
@@ -21,32 +22,19 @@ struct Standing {
 
 impl Standing {
     fn new(people: &[Placed], mechanical_step: f64) -> Result<Standing> {
-        let person = |(k, placed): (usize, &Placed)| Person {
-            id: k.to_string(),
-            mass: placed.body.mass,
-            stature: Some(STATURE),
-            moment_of_inertia: placed.body.inertia,
-            floor_damping: DAMPING,
-            angular_damping: DAMPING,
-            pose: SeenPose::default(),
-            disks: Vec::new(),
+        let person = |(k, placed): (usize, &Placed)| {
+            let agent = Agent::new(k.to_string(), placed.body.mass, placed.body.inertia, [DAMPING; 2]);
+            (Agent { height: Some(STATURE), ..agent }, AgentDynamics::default())
         };
-        let plan = Plan::among(
-            std::iter::empty(),
-            &people.iter().enumerate().map(person).collect::<Vec<_>>(),
-            &DecisionConfig::from_toml("balance = \"pendulum\"")?,
-            0.01,
-        )?;
+        let trial = Trial::of(people.iter().enumerate().map(person), Vec::new(), 0.01);
+        let plan = Plan::of(&trial, &DecisionConfig::from_toml("balance = \"pendulum\"")?)?;
         Ok(Standing { world: world(people, &[], BODIES, mechanical_step), decision: Decision::new(plan) })
     }
 
     /// Drives everybody by the own legs \[N\], and person 0 by a push \[N\], too.
     fn drive(&mut self, push: f64) -> Result<()> {
         let state = self.world.state();
-        let seen = |(pose, twist): (&Pose, &Twist)| {
-            let [x, y] = pose.position.into();
-            (SeenPose { x, y, theta: pose.orientation }, twist.velocity)
-        };
+        let seen = |(pose, twist): (&Pose, &Twist)| Motion { pose: *pose, twist: *twist };
         self.decision.see(state.poses.iter().zip(&state.twists).map(seen));
         let acts = self.decision.acts().map_err(|refusal| anyhow::anyhow!("{refusal}"))?;
         for (wrench, act) in self.world.drive.iter_mut().zip(acts) {

@@ -1,6 +1,6 @@
 //! Any bytes as files.
 
-use crate::fuzz::models::{people, small_trial};
+use crate::fuzz::models::{small_trial, walkers};
 use crate::fuzz::show_panics;
 use crowd_mechanics::c_api::{CallError, advance_files};
 use crowd_mechanics::model_description::model_description;
@@ -151,23 +151,19 @@ pub(crate) fn archive_of(files: &[(&str, &[u8])]) -> Vec<u8> {
     archive.finish().expect("an archive").into_inner()
 }
 
-/// DecisionConfig, or, after an odd byte, a plan: refused in words, or a plan that reads back and can be asked for drives.
+/// `decision.toml`, after a byte that says nothing: refused in words, or a plan that can be asked for drives, and whose
+/// settings read back.
 pub fn decision_toml(data: &[u8]) {
-    let Some((&way, content)) = data.split_first() else { return };
+    let Some((_, content)) = data.split_first() else { return };
     let Ok(text) = std::str::from_utf8(content) else { return };
     show_panics();
-    let plan = if way % 2 == 0 {
-        DecisionConfig::from_toml(text)
-            .and_then(|wishes| Plan::among(std::iter::empty(), &people(), &wishes, 0.05))
-    } else {
-        Plan::from_toml(text)
-    };
-    let plan = match plan {
+    let read = |text: &str| DecisionConfig::from_toml(text).and_then(|config| Plan::of(&walkers(), &config));
+    let plan = match read(text) {
         Ok(plan) => plan,
         Err(error) => return assert!(!error.to_string().is_empty()),
     };
-    let written = plan.to_toml().expect("a plan can be written");
-    assert_eq!(Plan::from_toml(&written).as_ref(), Ok(&plan), "{written}");
+    let written = plan.config.to_toml().expect("settings can be written");
+    assert_eq!(read(&written).as_ref(), Ok(&plan), "{written}");
     let mut decision = Decision::new(plan);
     for scalar in decision.scalars() {
         // Absurd ones are refused.

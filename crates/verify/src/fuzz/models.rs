@@ -5,9 +5,7 @@ use crowd_mechanics::quantities::Quantity;
 use crowd_mechanics::setup;
 use lemons_core::plane::vec2;
 use lemons_core::trial::{OpeningTimes, Trial, Wall};
-use lemons_decision::decision::PLAN_FILE;
-use lemons_decision::{Decision, rule::Pose};
-use lemons_decision::{DecisionConfig, Person, Plan};
+use lemons_decision::{DECISION_FILE, Decision};
 use lemons_fmi::testing::Version;
 use lemons_fmi::testing::instance::Functions;
 use lemons_fmi::variables::{Dimension, Kind};
@@ -217,29 +215,21 @@ fn crowd() -> Resources {
     Resources { directory: Rc::new(directory), resources, texts: texts.map(str::to_owned).to_vec() }
 }
 
-/// The people that a plan is made for.
-pub(crate) fn people() -> Vec<Person> {
-    let person = |id: &str, x| Person {
-        id: id.into(),
-        mass: 70.0,
-        moment_of_inertia: 1.3,
-        stature: None,
-        floor_damping: 2.0,
-        angular_damping: 4.0,
-        pose: Pose { x, y: 0.0, theta: 0.0 },
-        disks: Vec::new(),
-    };
-    vec![person("0", 0.0), person("two words", 1.0)]
+/// The Trial that a plan is made for.
+pub(crate) fn walkers() -> Trial {
+    let mut trial = small_trial();
+    trial.agents.truncate(2);
+    trial.agents[1].id = "two words".into();
+    trial.dynamics.truncate(2);
+    trial
 }
 
 fn decision() -> Resources {
     let directory = TempDir::with_prefix("lemons-fuzz-").expect("a temporary directory");
     let wishes =
         "waypoints = [{ x = 1, y = 2 }, { x = 3, y = 4, radius = 1 }]\n[agents.0]\ndesired_speed = 1";
-    let wishes = DecisionConfig::from_toml(wishes).expect("good wishes");
-    let plan = Plan::among(std::iter::empty(), &people(), &wishes, 0.05).expect("a good plan");
-    let text = plan.to_toml().expect("a plan can be written");
-    std::fs::write(directory.path().join(PLAN_FILE), text).expect("a file can be written");
+    walkers().write(directory.path()).expect("a Trial can be written");
+    std::fs::write(directory.path().join(DECISION_FILE), wishes).expect("a file can be written");
     let resources = directory.path().to_owned();
     Resources { directory: Rc::new(directory), resources, texts: ["", "text"].map(str::to_owned).to_vec() }
 }

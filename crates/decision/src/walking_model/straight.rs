@@ -1,0 +1,28 @@
+//! Straight on, whoever is in the way: the paper's eq. 4.
+
+use super::{DesiredMotion, Walk, Walking};
+use crate::error::PlanError;
+use lemons_core::plane::Vec2;
+
+/// The model, which has no constants.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Straight;
+
+impl Walk for Straight {
+    fn check(&self) -> Result<(), PlanError> {
+        Ok(())
+    }
+
+    fn sees_others(&self) -> bool {
+        false
+    }
+
+    fn desired(&self, people: &[Option<Walking<'_>>], _: &[[Vec2; 2]]) -> Vec<DesiredMotion> {
+        people.iter().map(|walking| walking.as_ref().map(straight).unwrap_or_default()).collect()
+    }
+}
+
+pub(super) fn straight(walking: &Walking<'_>) -> DesiredMotion {
+    let velocity = walking.direction.map_or(Vec2::zeros(), |direction| direction * walking.speed);
+    DesiredMotion { velocity, speed: velocity.norm(), facing: walking.direction, ..DesiredMotion::default() }
+}
