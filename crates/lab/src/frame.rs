@@ -20,12 +20,17 @@ pub const COLUMNS: usize = 12;
 /// Returns a frame as bytes: [`COLUMNS`] doubles for each agent, little-endian. `going`: who wants to get on.
 pub fn bytes(frame: &Frame, going: &[bool]) -> Vec<u8> {
     let numbers = (0..frame.agents.len()).flat_map(|agent| {
-        let [x, y, vx, vy, theta, omega, with_people, with_walls, _, _, mean, _, _, by_walls, ..] =
-            frame.row(agent);
-        let [x, y] = if frame.is_there(agent) { [x, y] } else { [f64::NAN; 2] };
-        let feet = frame.legs.as_ref().map_or(vec2(f64::NAN, f64::NAN), |legs| legs[agent].feet);
-        let goes = f64::from(u8::from(going[agent]));
-        [x, y, theta, vx, vy, omega, mean, with_people + with_walls, by_walls, feet.x, feet.y, goes]
+        const NOWHERE: Vec2 = vec2(f64::NAN, f64::NAN);
+        let Motion { pose, twist: Twist { velocity, angular_velocity } } = frame.agents[agent];
+        let at = if frame.is_there(agent) { pose.position } else { NOWHERE };
+        let seen = frame.observed.as_ref().map(|all| all[agent]).unwrap_or_default();
+        let step = seen.of_step.unwrap_or_default();
+        let contacts = f64::from(seen.agent_contacts + seen.wall_contacts);
+        let feet = frame.legs.as_ref().map_or(NOWHERE, |legs| legs[agent].feet);
+        let (mean, by_walls) = (step.mean_normal_force, step.mean_wall_force.unwrap_or_default());
+        let goes = f64::from(going[agent]);
+        let [x, y, vx, vy] = [at.x, at.y, velocity.x, velocity.y];
+        [x, y, pose.orientation, vx, vy, angular_velocity, mean, contacts, by_walls, feet.x, feet.y, goes]
     });
     numbers.flat_map(f64::to_le_bytes).collect()
 }

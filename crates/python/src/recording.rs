@@ -5,9 +5,9 @@ use crate::simulation::{
 };
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_decision::Plan;
-use lemons_results::Frame;
-use lemons_results::columns::{ALL, FIRST_TOTAL, Groups, LEGS, MOTION, Row};
+use lemons_results::columns::{ALL, Group, Groups, QUANTITIES, Row};
 use lemons_results::measure::Over;
+use lemons_results::{Frame, Totals};
 use lemons_sim::lint::RunEnd;
 use lemons_sim::{Clock, Observer, PointKind, SimError, Stepper};
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
@@ -16,22 +16,49 @@ use pyo3::prelude::*;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// The numbers of an agent in arrays, by their places in the row of a table: pose, velocity, squeeze, contacts, whether
-/// it is there, and its legs. So poses and velocities are parts of an array.
-const ORDER: [usize; FIRST_TOTAL] = [0, 1, 4, 2, 3, 5, 9, 10, 11, 12, 13, 6, 7, 8, 14, 15, 16, 17, 18, 19];
-/// How many numbers an agent without legs has.
-const WITHOUT_LEGS: usize = ORDER.len() - LEGS.len();
+/// The groups of numbers of an agent in arrays: poses and velocities are parts of an array, contacts are behind the
+/// squeeze.
+const ORDER: [&str; 20] = [
+    "x",
+    "y",
+    "theta",
+    "vx",
+    "vy",
+    "omega",
+    "normal_force",
+    "mean_normal_force",
+    "peak_normal_force",
+    "peak_overlap",
+    "mean_wall_force",
+    "agent_contacts",
+    "wall_contacts",
+    "contacting_agents",
+    "active",
+    "legs_x",
+    "legs_y",
+    "steps",
+    "balanced",
+    "fallen",
+];
+
+/// Returns the places of these numbers in the row of a table.
+fn places() -> [usize; ORDER.len()] {
+    ORDER.map(|name| QUANTITIES.iter().position(|of| of.name == name).expect("it is in the table"))
+}
+
+/// Returns how many numbers an agent has, with legs or without.
+fn width(legs: bool) -> usize {
+    if legs { ORDER.len() } else { ORDER.len() - Group::Legs.quantities().count() }
+}
 
 /// Returns how many numbers an agent of a frame has.
 pub fn numbers_of_each(frame: &Frame) -> usize {
-    if frame.legs.is_some() { ORDER.len() } else { WITHOUT_LEGS }
+    width(frame.legs.is_some())
 }
 
 /// Returns the names of these numbers.
 pub fn names() -> Vec<String> {
-    let table = table();
-    // After time and Id.
-    ORDER.map(|place| table[2 + place].clone()).to_vec()
+    ORDER.map(str::to_owned).to_vec()
 }
 
 /// Returns the names of the columns of a table, in their order; those of contacts, `active` and legs among them.
@@ -41,31 +68,36 @@ pub fn table() -> Vec<String> {
 
 /// Appends the numbers of everybody.
 pub fn observe(frame: &Frame, numbers: &mut Vec<f64>) {
+    let places = places();
     for agent in 0..frame.agents.len() {
         let row = frame.row(agent);
-        numbers.extend(ORDER[..numbers_of_each(frame)].iter().map(|place| row[*place]));
+        numbers.extend(places[..numbers_of_each(frame)].iter().map(|place| row[*place]));
     }
 }
 
 /// Returns whether a frame can have so many numbers of each agent.
 pub fn is_width(each: usize) -> bool {
-    [WITHOUT_LEGS, ORDER.len()].contains(&each)
+    [width(false), width(true)].contains(&each)
 }
 
 /// Makes a frame of the numbers of everybody, so many each, at a time \[s\].
 pub fn frame_of(time: f64, numbers: &[f64], each: usize, leaving: bool) -> Frame {
-    let mut rows: Vec<Row> = Vec::with_capacity(numbers.len() / each);
-    for own in numbers.chunks_exact(each) {
+    let places = places();
+    let row = |own: &[f64]| {
         let mut row = Row::default();
-        ORDER.iter().zip(own).for_each(|(place, number)| row[*place] = *number);
-        rows.push(row);
-    }
+        places.iter().zip(own).for_each(|(place, number)| row[*place] = *number);
+        row
+    };
+    let rows: Vec<Row> = numbers.chunks_exact(each).map(row).collect();
+    let groups = Groups { active: leaving, legs: each == width(true), ..ALL };
+    let mut frame = Frame { place: format!("t = {time:?} s"), ..Frame::of_rows(time, &rows, groups) };
+    let observed = || frame.observed.iter().flatten();
     // A contact of two people counts for both.
-    let sum = |place: usize| rows.iter().map(|row| row[place]).sum::<f64>();
-    let totals = [0.5 * sum(MOTION.len()), sum(MOTION.len() + 1)];
-    rows.iter_mut().for_each(|row| row[FIRST_TOTAL..].copy_from_slice(&totals));
-    let groups = Groups { active: leaving, legs: each > WITHOUT_LEGS, ..ALL };
-    Frame { place: format!("t = {time:?} s"), ..Frame::of_rows(time, &rows, groups) }
+    frame.totals = Some(Totals {
+        agent_contacts: observed().map(|of| of.agent_contacts).sum::<u32>() / 2,
+        wall_contacts: observed().map(|of| of.wall_contacts).sum(),
+    });
+    frame
 }
 
 /// A duration \[s\] as Python gives it.

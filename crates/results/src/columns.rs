@@ -2,6 +2,7 @@
 //! it; `tests/columns.csv` is the same for programs in other languages.
 
 pub use crate::cell::CellType;
+use crate::run::Frame;
 use Domain::{Count, Flag, Real, Size};
 
 /// A column of the table of a run, which is an output of the FMU.
@@ -15,7 +16,33 @@ pub struct Quantity {
     pub unit: Option<&'static str>,
     /// What it is, in a few words.
     pub description: &'static str,
+    /// The columns with which it comes.
+    pub group: Group,
     domain: Domain,
+    /// Returns it of an agent of a frame; 0 if it is not recorded.
+    pub(crate) get: fn(&Frame, usize) -> f64,
+    /// Sets it of an agent of a frame that has its group.
+    pub(crate) set: fn(&mut Frame, usize, f64),
+}
+
+/// Columns that a table has together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Group {
+    /// Pose and velocity of an agent: in every table.
+    Motion,
+    /// What an agent touches at the time, and the squeeze.
+    Contacts,
+    /// What an agent's contacts did since the row before: over one communication step, or over N (`--every N`). FMUs of
+    /// the first versions have none of these outputs.
+    OfStep,
+    /// The part of the mean squeeze by walls; the rest is by people. FMUs and tables of earlier versions do not have it.
+    ByWalls,
+    /// Whether the agent is there: it touches nothing if not, and stands where it was last.
+    Active,
+    /// Legs of an agent, where people have some: outputs of Decision, not of the crowd's FMU.
+    Legs,
+    /// Quantities of the whole crowd at a time; the same in each row of this time.
+    Totals,
 }
 
 /// The numbers that a quantity can be, with the unit of those that have one.
@@ -31,8 +58,8 @@ enum Domain {
     Flag,
 }
 
-/// One agent at one time, a number for each of the quantities in their order. What is not recorded is 0.
-pub type Row = [f64; 22];
+/// One agent at one time, a number for each of the [`QUANTITIES`]. What is not recorded is 0.
+pub type Row = [f64; QUANTITIES.len()];
 
 impl Quantity {
     /// Counts are integers, everything else is a double.
@@ -55,88 +82,112 @@ impl Quantity {
     }
 }
 
-const fn entry(
-    name: &'static str,
-    variable: &'static str,
-    domain: Domain,
-    description: &'static str,
-) -> Quantity {
-    let unit = if let Real(unit) | Size(unit) = domain { Some(unit) } else { None };
-    Quantity { name, variable, unit, description, domain }
-}
-
 /// \[s\] Column of the time of the communication point. Every table begins with it.
 pub const TIME: &str = "t";
 /// Column of the agent's Id.
 pub const ID: &str = "id";
 
-/// Pose and velocity of an agent.
-pub const MOTION: [Quantity; 6] = [
-    entry("x", "Position.x", Real("m"), "x of the centre of mass"),
-    entry("y", "Position.y", Real("m"), "y of the centre of mass"),
-    entry("vx", "Velocity.x", Real("m/s"), "velocity along x"),
-    entry("vy", "Velocity.y", Real("m/s"), "velocity along y"),
-    entry("theta", "Theta", Real("rad"), "orientation: angle from the x axis to the gaze"),
-    entry("omega", "Omega", Real("rad/s"), "angular velocity"),
-];
+/// Makes the table: name, output, domain, group, the field of the group in a frame, description.
+macro_rules! quantities {
+    ($($name:literal, $variable:literal, $domain:expr, $group:ident, $field:tt, $description:literal;)*) => {
+        /// Every quantity, in the order of the columns; those of the whole crowd last.
+        pub const QUANTITIES: [Quantity; 22] = [$(Quantity {
+            name: $name,
+            variable: $variable,
+            unit: if let Real(unit) | Size(unit) = $domain { Some(unit) } else { None },
+            description: $description,
+            group: Group::$group,
+            domain: $domain,
+            get: |frame, agent| number!(get $group frame agent $field),
+            set: |frame, agent, value| number!(set $group frame agent value $field),
+        }),*];
+    };
+}
 
-/// What an agent touches at the time.
-pub const CONTACTS: [Quantity; 3] = [
-    entry("agent_contacts", "AgentContacts", Count, "contacts of the agent's disks with disks of others"),
-    entry("wall_contacts", "WallContacts", Count, "contacts of the agent's disks with faces of walls"),
-    entry("contacting_agents", "ContactingAgents", Count, "how many other agents touch the agent"),
-];
+/// Gets or sets a number of a frame, which holds it as its group says.
+macro_rules! number {
+    (get Motion $f:ident $a:ident ($($field:tt)+)) => { $f.agents[$a].$($field)+ };
+    (set Motion $f:ident $a:ident $v:ident ($($field:tt)+)) => { $f.agents[$a].$($field)+ = $v };
+    (get Contacts $f:ident $a:ident ($field:ident)) => {
+        $f.observed.as_ref().map_or(0.0, |all| all[$a].$field.into())
+    };
+    (set Contacts $f:ident $a:ident $v:ident ($field:ident)) => {
+        if let Some(all) = &mut $f.observed {
+            all[$a].$field = $v as _;
+        }
+    };
+    (get OfStep $f:ident $a:ident ($field:ident)) => {
+        $f.observed.as_ref().and_then(|all| all[$a].of_step).map_or(0.0, |step| step.$field)
+    };
+    (set OfStep $f:ident $a:ident $v:ident ($field:ident)) => {
+        if let Some(step) = $f.observed.as_mut().and_then(|all| all[$a].of_step.as_mut()) {
+            step.$field = $v;
+        }
+    };
+    (get ByWalls $f:ident $a:ident ($field:ident)) => {
+        $f.observed.as_ref().and_then(|all| all[$a].of_step?.$field).unwrap_or_default()
+    };
+    (set ByWalls $f:ident $a:ident $v:ident ($field:ident)) => {
+        if let Some(step) = $f.observed.as_mut().and_then(|all| all[$a].of_step.as_mut()) {
+            step.$field = Some($v);
+        }
+    };
+    (get Active $f:ident $a:ident ()) => { f64::from($f.is_there($a)) };
+    (set Active $f:ident $a:ident $v:ident ()) => {
+        if let Some(all) = &mut $f.active {
+            all[$a] = $v != 0.0;
+        }
+    };
+    (get Legs $f:ident $a:ident (flag $field:ident)) => { number!(get Legs $f $a ($field)) };
+    (get Legs $f:ident $a:ident ($($field:tt)+)) => {
+        $f.legs.as_ref().map_or(0.0, |all| all[$a].$($field)+.into())
+    };
+    (set Legs $f:ident $a:ident $v:ident (flag $field:ident)) => {
+        if let Some(all) = &mut $f.legs {
+            all[$a].$field = $v != 0.0;
+        }
+    };
+    (set Legs $f:ident $a:ident $v:ident ($($field:tt)+)) => {
+        if let Some(all) = &mut $f.legs {
+            all[$a].$($field)+ = $v as _;
+        }
+    };
+    (get Totals $f:ident $a:ident ($field:ident)) => {{
+        let _ = $a;
+        $f.totals.map_or(0.0, |totals| totals.$field.into())
+    }};
+    (set Totals $f:ident $a:ident $v:ident ($field:ident)) => {{
+        let _ = $a;
+        if let Some(totals) = &mut $f.totals {
+            totals.$field = $v as _;
+        }
+    }};
+}
 
-/// \[N\] Squeeze at the time: sum of |F_n| over the agent's contacts.
-pub const SQUEEZE: Quantity = entry(
-    "normal_force",
-    "NormalForce",
-    Size("N"),
-    "squeeze at this time: sum of the normal forces |F_n| of the agent's contacts",
-);
-
-/// What an agent's contacts did since the row before: over one communication step, or over N (`--every N`). FMUs of the
-/// first versions have none of these outputs.
-pub const OF_STEP: [Quantity; 3] = [
-    entry("mean_normal_force", "MeanNormalForce", Size("N"), "mean squeeze since the row before"),
-    entry("peak_normal_force", "PeakNormalForce", Size("N"), "largest squeeze since the row before"),
-    entry("peak_overlap", "PeakOverlap", Size("m"), "deepest overlap of a contact since the row before"),
-];
-
-/// The part of the mean squeeze by walls; the rest is by people. FMUs and tables of earlier versions do not have it.
-pub const BY_WALLS: Quantity =
-    entry("mean_wall_force", "MeanWallForce", Size("N"), "mean squeeze by walls since the row before");
-
-/// 1 if the agent is there, 0 if not: it touches nothing and stands where it was last.
-pub const ACTIVE: Quantity =
-    entry("active", "Active", Flag, "1 if the agent is there, 0 if it has left and touches nothing");
-
-/// Legs of an agent, where people have some: outputs of Decision, not of the crowd's FMU.
-pub const LEGS: [Quantity; 5] = [
-    entry("legs_x", "Legs.x", Real("m"), "x of the middle of the feet"),
-    entry("legs_y", "Legs.y", Real("m"), "y of the middle of the feet"),
-    entry("steps", "Steps", Count, "how many steps the agent took to keep the balance"),
-    entry("balanced", "Balanced", Flag, "1 if the agent needs no step, 0 if it does"),
-    entry("fallen", "Fallen", Flag, "1 if the agent could not be saved from a fall, at some time"),
-];
-
-/// Quantities of the whole crowd at a time; the same in each row of this time.
-pub const TOTALS: [Quantity; 2] = [
-    entry(
-        "total_agent_contacts",
-        "AgentContacts",
-        Count,
-        "contacts between disks of the crowd, each pair once",
-    ),
-    entry(
-        "total_wall_contacts",
-        "WallContacts",
-        Count,
-        "contacts between disks of the crowd and faces of walls",
-    ),
-];
-/// Place of the first of them in a row.
-pub const FIRST_TOTAL: usize = 20;
+quantities! {
+    "x", "Position.x", Real("m"), Motion, (pose.position.x), "x of the centre of mass";
+    "y", "Position.y", Real("m"), Motion, (pose.position.y), "y of the centre of mass";
+    "vx", "Velocity.x", Real("m/s"), Motion, (twist.velocity.x), "velocity along x";
+    "vy", "Velocity.y", Real("m/s"), Motion, (twist.velocity.y), "velocity along y";
+    "theta", "Theta", Real("rad"), Motion, (pose.orientation), "orientation: angle from the x axis to the gaze";
+    "omega", "Omega", Real("rad/s"), Motion, (twist.angular_velocity), "angular velocity";
+    "agent_contacts", "AgentContacts", Count, Contacts, (agent_contacts), "contacts of the agent's disks with disks of others";
+    "wall_contacts", "WallContacts", Count, Contacts, (wall_contacts), "contacts of the agent's disks with faces of walls";
+    "contacting_agents", "ContactingAgents", Count, Contacts, (contacting_agents), "how many other agents touch the agent";
+    "normal_force", "NormalForce", Size("N"), Contacts, (normal_force), "squeeze at this time: sum of the normal forces |F_n| of the agent's contacts";
+    "mean_normal_force", "MeanNormalForce", Size("N"), OfStep, (mean_normal_force), "mean squeeze since the row before";
+    "peak_normal_force", "PeakNormalForce", Size("N"), OfStep, (peak_normal_force), "largest squeeze since the row before";
+    "peak_overlap", "PeakOverlap", Size("m"), OfStep, (peak_overlap), "deepest overlap of a contact since the row before";
+    "mean_wall_force", "MeanWallForce", Size("N"), ByWalls, (mean_wall_force), "mean squeeze by walls since the row before";
+    "active", "Active", Flag, Active, (), "1 if the agent is there, 0 if it has left and touches nothing";
+    "legs_x", "Legs.x", Real("m"), Legs, (feet.x), "x of the middle of the feet";
+    "legs_y", "Legs.y", Real("m"), Legs, (feet.y), "y of the middle of the feet";
+    "steps", "Steps", Count, Legs, (steps), "how many steps the agent took to keep the balance";
+    "balanced", "Balanced", Flag, Legs, (flag balanced), "1 if the agent needs no step, 0 if it does";
+    "fallen", "Fallen", Flag, Legs, (flag fallen), "1 if the agent could not be saved from a fall, at some time";
+    "total_agent_contacts", "AgentContacts", Count, Totals, (agent_contacts), "contacts between disks of the crowd, each pair once";
+    "total_wall_contacts", "WallContacts", Count, Totals, (wall_contacts), "contacts between disks of the crowd and faces of walls";
+}
 
 /// Every quantity of the table of a run.
 pub const ALL: Groups =
@@ -144,51 +195,59 @@ pub const ALL: Groups =
 
 /// Returns the quantity with this name.
 pub fn named(name: &str) -> Option<&'static Quantity> {
-    ALL.quantities().map(|(_, quantity)| quantity).find(|quantity| quantity.name == name)
+    QUANTITIES.iter().find(|quantity| quantity.name == name)
 }
 
 /// Which columns the table of a crowd has besides time, Id and motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Groups {
-    /// [`CONTACTS`] and [`SQUEEZE`].
+    /// [`Group::Contacts`]
     pub contacts: bool,
-    /// [`OF_STEP`]; only together with the contacts.
+    /// [`Group::OfStep`]; only together with the contacts.
     pub of_step: bool,
-    /// [`BY_WALLS`]; only together with those of the step.
+    /// [`Group::ByWalls`]; only together with those of the step.
     pub by_walls: bool,
-    /// [`ACTIVE`]: agents may leave.
+    /// [`Group::Active`]: agents may leave.
     pub active: bool,
-    /// [`LEGS`]: agents have legs.
+    /// [`Group::Legs`]: agents have legs.
     pub legs: bool,
-    /// [`TOTALS`].
+    /// [`Group::Totals`]
     pub totals: bool,
+}
+
+impl Group {
+    /// Returns its quantities.
+    pub fn quantities(self) -> impl Iterator<Item = &'static Quantity> {
+        QUANTITIES.iter().filter(move |quantity| quantity.group == self)
+    }
 }
 
 impl Groups {
     /// Those of which all columns exist.
     pub fn among(exists: impl Fn(&str) -> bool) -> Groups {
-        let all = |group: &[Quantity]| group.iter().all(|quantity| exists(quantity.name));
-        let contacts = all(&CONTACTS) && exists(SQUEEZE.name);
-        let of_step = contacts && all(&OF_STEP);
-        let by_walls = of_step && all(&[BY_WALLS]);
-        let (active, legs, totals) = (all(&[ACTIVE]), all(&LEGS), all(&TOTALS));
+        let all = |group: Group| group.quantities().all(|quantity| exists(quantity.name));
+        let contacts = all(Group::Contacts);
+        let of_step = contacts && all(Group::OfStep);
+        let by_walls = of_step && all(Group::ByWalls);
+        let (active, legs, totals) = (all(Group::Active), all(Group::Legs), all(Group::Totals));
         Groups { contacts, of_step, by_walls, active, legs, totals }
     }
 
-    /// Returns the quantities in the order of the columns, those of the whole crowd last; with their places in a [`Row`].
+    fn has(self, group: Group) -> bool {
+        match group {
+            Group::Motion => true,
+            Group::Contacts => self.contacts,
+            Group::OfStep => self.contacts && self.of_step,
+            Group::ByWalls => self.contacts && self.of_step && self.by_walls,
+            Group::Active => self.active,
+            Group::Legs => self.legs,
+            Group::Totals => self.totals,
+        }
+    }
+
+    /// Returns the quantities in the order of the columns, with their places in a [`Row`].
     pub(crate) fn quantities(self) -> impl Iterator<Item = (usize, &'static Quantity)> {
-        let contacts = CONTACTS.iter().chain([&SQUEEZE]);
-        let of_agent = MOTION.iter().chain(contacts).chain(&OF_STEP).chain([&BY_WALLS, &ACTIVE]).chain(&LEGS);
-        let all = of_agent.chain(&TOTALS);
-        all.enumerate().filter(move |(place, _)| match place {
-            0..6 => true,
-            6..10 => self.contacts,
-            10..13 => self.contacts && self.of_step,
-            13 => self.contacts && self.of_step && self.by_walls,
-            14 => self.active,
-            15..FIRST_TOTAL => self.legs,
-            _ => self.totals,
-        })
+        QUANTITIES.iter().enumerate().filter(move |(_, quantity)| self.has(quantity.group))
     }
 
     /// Returns the quantities that are numbers of an FMU with so many agents, in their order: of each agent, then of the
@@ -197,7 +256,8 @@ impl Groups {
         self,
         agents: usize,
     ) -> impl Iterator<Item = (Option<usize>, usize, &'static Quantity)> {
-        let part = move |crowd: bool| self.quantities().filter(move |(k, _)| (*k >= FIRST_TOTAL) == crowd);
+        let part =
+            move |crowd: bool| self.quantities().filter(move |(_, of)| (of.group == Group::Totals) == crowd);
         let of_agents = (0..agents).flat_map(move |i| part(false).map(move |(k, of)| (Some(i), k, of)));
         of_agents.chain(part(true).map(|(k, of)| (None, k, of)))
     }
@@ -222,11 +282,12 @@ impl Groups {
             variable: "agent[i]".into(),
             description: "Id of the agent in Agents.xml; its place i if the FMU holds no Trial".into(),
         };
-        let column = |(place, quantity): (usize, &Quantity)| Column {
+        let column = |(_, quantity): (usize, &Quantity)| Column {
             name: quantity.name.into(),
             kind: quantity.kind(),
             unit: quantity.unit.map(str::to_owned),
-            variable: if place < FIRST_TOTAL { "agent[i]." } else { "" }.to_owned() + quantity.variable,
+            variable: if quantity.group == Group::Totals { "" } else { "agent[i]." }.to_owned()
+                + quantity.variable,
             description: quantity.description.into(),
         };
         [Column::time(), id].into_iter().chain(self.quantities().map(column)).collect()

@@ -1,8 +1,8 @@
 //! What was recorded of a crowd.
 
-use crate::columns::{Groups, Row};
+use crate::columns::{Groups, QUANTITIES, Row};
 use crate::error::RecordError;
-use lemons_core::plane::{Motion, Pose, Twist, Vec2, vec2};
+use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::{Interactions, Trial};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -71,7 +71,7 @@ pub struct OfStep {
 }
 
 /// Legs of an agent. These are outputs of Decision.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OfLegs {
     /// \[m\] middle of the feet.
     pub feet: Vec2,
@@ -124,75 +124,45 @@ impl Frame {
     /// # Errors
     /// A sentence with a number that cannot be.
     pub fn of_values(time: f64, agents: usize, groups: Groups, values: &[f64]) -> Result<Frame, String> {
-        let mut rows = vec![Row::default(); agents];
-        for ((agent, place, quantity), &value) in groups.of_fmu(agents).zip(values) {
+        let mut frame = Frame::with(groups, agents, time);
+        for ((agent, _, quantity), &value) in groups.of_fmu(agents).zip(values) {
             quantity
                 .check(value, true)
                 .map_err(|must| format!("{}: {value:?} is not {must}", quantity.variable))?;
-            if let Some(row) = rows.get_mut(agent.unwrap_or(0)) {
-                row[place] = value;
-            }
+            (quantity.set)(&mut frame, agent.unwrap_or(0), value);
         }
-        Ok(Frame { place: format!("t = {time:?} s"), ..Frame::of_rows(time, &rows, groups) })
+        Ok(Frame { place: format!("t = {time:?} s"), ..frame })
     }
 
-    /// Makes a frame of the rows of all agents, with these groups of columns.
-    pub fn of_rows(time: f64, rows: &[Row], groups: Groups) -> Frame {
-        let motion = |&[x, y, vx, vy, orientation, angular_velocity, ..]: &Row| Motion {
-            pose: Pose { position: vec2(x, y), orientation },
-            twist: Twist { velocity: vec2(vx, vy), angular_velocity },
-        };
-        let observed = |row: &Row| Observed {
-            agent_contacts: row[6] as u32,
-            wall_contacts: row[7] as u32,
-            contacting_agents: row[8] as u32,
-            normal_force: row[9],
-            of_step: groups.of_step.then_some(OfStep {
-                mean_normal_force: row[10],
-                mean_wall_force: groups.by_walls.then_some(row[13]),
-                peak_normal_force: row[11],
-                peak_overlap: row[12],
-            }),
-        };
-        let legs = |row: &Row| OfLegs {
-            feet: vec2(row[15], row[16]),
-            steps: row[17] as u32,
-            balanced: row[18] != 0.0,
-            fallen: row[19] != 0.0,
-        };
-        let totals = |row: &Row| Totals { agent_contacts: row[20] as u32, wall_contacts: row[21] as u32 };
+    /// Makes a frame of so many agents, all of whose numbers in these groups are 0.
+    fn with(groups: Groups, agents: usize, time: f64) -> Frame {
+        let step = OfStep { mean_wall_force: groups.by_walls.then_some(0.0), ..OfStep::default() };
+        let observed = Observed { of_step: groups.of_step.then_some(step), ..Observed::default() };
         Frame {
             time,
-            agents: rows.iter().map(motion).collect(),
-            observed: groups.contacts.then(|| rows.iter().map(observed).collect()),
-            active: groups.active.then(|| rows.iter().map(|row| row[14] != 0.0).collect()),
-            legs: groups.legs.then(|| rows.iter().map(legs).collect()),
-            totals: rows.first().map(totals).filter(|_| groups.totals),
+            agents: vec![Motion::default(); agents],
+            observed: groups.contacts.then(|| vec![observed; agents]),
+            active: groups.active.then(|| vec![false; agents]),
+            legs: groups.legs.then(|| vec![OfLegs::default(); agents]),
+            totals: (groups.totals && agents > 0).then(Totals::default),
             ..Frame::default()
         }
     }
 
+    /// Makes a frame of the rows of all agents, with these groups of columns.
+    pub fn of_rows(time: f64, rows: &[Row], groups: Groups) -> Frame {
+        let mut frame = Frame::with(groups, rows.len(), time);
+        for (agent, row) in rows.iter().enumerate() {
+            for (place, quantity) in groups.quantities() {
+                (quantity.set)(&mut frame, agent, row[place]);
+            }
+        }
+        frame
+    }
+
     /// Returns the row of an agent.
-    pub fn row(&self, place: usize) -> Row {
-        let Motion { pose: Pose { position, orientation }, twist } = self.agents[place];
-        let seen = self.observed.as_ref().map(|all| all[place]).unwrap_or_default();
-        let (step, totals) = (seen.of_step.unwrap_or_default(), self.totals.unwrap_or_default());
-        let [x, y, vx, vy] = [position.x, position.y, twist.velocity.x, twist.velocity.y];
-        let motion = [x, y, vx, vy, orientation, twist.angular_velocity];
-        let counts = [seen.agent_contacts, seen.wall_contacts, seen.contacting_agents].map(f64::from);
-        let by_walls = step.mean_wall_force.unwrap_or_default();
-        let of_step = [step.mean_normal_force, step.peak_normal_force, step.peak_overlap, by_walls];
-        let legs = self.legs.as_ref().map_or([0.0; 5], |legs| {
-            let OfLegs { feet, steps, balanced, fallen } = legs[place];
-            [feet.x, feet.y, steps.into(), balanced.into(), fallen.into()]
-        });
-        let there = f64::from(self.is_there(place));
-        let totals = [totals.agent_contacts, totals.wall_contacts].map(f64::from);
-        let last = [there].into_iter().chain(legs).chain(totals);
-        let all = motion.into_iter().chain(counts).chain([seen.normal_force]).chain(of_step).chain(last);
-        let mut row = Row::default();
-        row.iter_mut().zip(all).for_each(|(cell, value)| *cell = value);
-        row
+    pub fn row(&self, agent: usize) -> Row {
+        QUANTITIES.map(|quantity| (quantity.get)(self, agent))
     }
 
     /// Returns the frame with the agents of these places.

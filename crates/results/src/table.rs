@@ -41,7 +41,7 @@ impl Record {
     /// rows are read once.
     ///
     /// The table must have the columns [`TIME`](crate::columns::TIME), [`ID`](crate::columns::ID) and
-    /// those of [`MOTION`](crate::columns::MOTION), in any order. In CSV a header may have the unit
+    /// those of [`Motion`](crate::columns::Group::Motion), in any order. In CSV a header may have the unit
     /// (`x [m]`), in Parquet the metadata has it. Other columns of [`crate::columns`] are read if their
     /// whole group exists; further columns are ignored. Rows are in the order of time, and every agent
     /// has one row at each time.

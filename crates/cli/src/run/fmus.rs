@@ -7,7 +7,7 @@ use crowd_mechanics::quantities::segments;
 use lemons_core::trial::Trial;
 use lemons_master::ssp::{Interface, Kind as Causality, Type, Variable};
 use lemons_master::{Component, Selection, Settings, System, plan_in};
-use lemons_results::columns::{self, Column, Groups};
+use lemons_results::columns::{self, Column, Group, Groups};
 use lemons_results::{CellType, Frame, OfWall};
 use lemons_sim::RunModel;
 
@@ -137,9 +137,7 @@ impl Reader {
         let trial = trial.filter(|trial| trial.agents.len() == agents);
         let description = &component.fmu.description;
         let has = |name: &str| match columns::named(name) {
-            Some(of) if columns::TOTALS.iter().any(|total| total.name == name) => {
-                is_output(description, of.variable, of)
-            }
+            Some(of) if of.group == Group::Totals => is_output(description, of.variable, of),
             Some(of) => (0..agents).all(|i| is_output(description, &of_agent(i, of), of)),
             None => false,
         };
@@ -216,7 +214,7 @@ fn cell_type(variable: &Variable) -> Option<CellType> {
 
 /// How many agents' outputs an FMU has under the names of our mechanics, from 0 on.
 fn agents_of(description: &Interface) -> usize {
-    let needed = || columns::MOTION.iter().chain(&columns::CONTACTS).chain([&columns::SQUEEZE]);
+    let needed = || Group::Motion.quantities().chain(Group::Contacts.quantities());
     let has = |i: &usize| needed().all(|quantity| is_output(description, &of_agent(*i, quantity), quantity));
     (0..).take_while(has).count()
 }
@@ -224,7 +222,8 @@ fn agents_of(description: &Interface) -> usize {
 /// Returns whether inputs say who is there, and another component decides about it or somebody is not there from the start.
 fn may_leave(system: &System, place: usize, agents: usize) -> Result<bool> {
     let component = &system.components[place];
-    let names: Vec<String> = (0..agents).map(|i| of_agent(i, &columns::ACTIVE)).collect();
+    let active = || Group::Active.quantities();
+    let names: Vec<String> = (0..agents).flat_map(|i| active().map(move |of| of_agent(i, of))).collect();
     let is_input = |name: &String| {
         let found = component.fmu.description.single(name).map(|single| single.variable);
         found.is_some_and(|variable| variable.of == Type::Boolean && variable.kind == Some(Causality::Input))

@@ -1,6 +1,6 @@
 //! The rows of the table of a crowd, in whatever format.
 
-use crate::columns::{FIRST_TOTAL, Groups, ID, MOTION, Quantity, Row, TIME, TOTALS};
+use crate::columns::{Group, Groups, ID, Quantity, Row, TIME};
 use crate::error::RecordError;
 use crate::record::Each;
 use crate::run::Frame;
@@ -22,7 +22,7 @@ pub(super) fn place<'a>(
 ) -> Result<usize, String> {
     let mut found = columns.enumerate().filter(|(_, column)| column.0 == name);
     let Some((place, (_, there))) = found.next() else {
-        let needed = [TIME, ID].into_iter().chain(MOTION.iter().map(|quantity| quantity.name));
+        let needed = [TIME, ID].into_iter().chain(Group::Motion.quantities().map(|quantity| quantity.name));
         let needed = needed.collect::<Vec<_>>().join(", ");
         return Err(format!(
             "there is no column {name:?} (lemons run writes {needed}; of other programs are read: \
@@ -116,8 +116,10 @@ impl<'a, 'b> Frames<'a, 'b> {
         }
         match &self.newest {
             Some((last, _, first)) if time == *last => {
-                if first[FIRST_TOTAL..] != row[FIRST_TOTAL..] {
-                    let names = TOTALS.map(|quantity| quantity.name).join(", ");
+                let mut totals = self.quantities.iter().filter(|(_, of)| of.group == Group::Totals);
+                if totals.any(|(place, _)| first[*place] != row[*place]) {
+                    let names = Group::Totals.quantities().map(|quantity| quantity.name);
+                    let names = names.collect::<Vec<_>>().join(", ");
                     return Err(at(format!("columns {names}: differ from those of the row before")));
                 }
             }

@@ -2,9 +2,7 @@
 
 use crowd_mechanics::quantities::{Kind, Role, scalars};
 use crowd_mechanics::setup;
-use lemons_results::columns::{
-    ALL, BY_WALLS, CONTACTS, Column, Groups, MOTION, OF_STEP, Quantity, SQUEEZE, TOTALS,
-};
+use lemons_results::columns::{ALL, Column, Group, Groups, QUANTITIES};
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -18,15 +16,16 @@ fn columns_are_outputs_of_the_fmu_in_its_units() {
         .filter(|scalar| is_output(scalar.variable.role))
         .map(|scalar| (scalar.name, scalar.variable.kind))
         .collect();
-    let mut check = |quantity: &Quantity, name: &str| match outputs.remove(name).expect(name) {
-        Kind::Real(of) => assert_eq!(Some(of.unit.name), quantity.unit, "{name}"),
-        Kind::Integer | Kind::Boolean => assert_eq!(None, quantity.unit, "{name}"),
-        Kind::String => panic!("{name} is a text"),
-    };
-    for quantity in MOTION.iter().chain(&CONTACTS).chain([&SQUEEZE]).chain(&OF_STEP).chain([&BY_WALLS]) {
-        check(quantity, &format!("agent[0].{}", quantity.variable));
+    // Whether somebody is there is an input, and legs are of Decision.
+    for quantity in QUANTITIES.iter().filter(|of| !matches!(of.group, Group::Active | Group::Legs)) {
+        let of = if quantity.group == Group::Totals { "" } else { "agent[0]." };
+        let name = format!("{of}{}", quantity.variable);
+        match outputs.remove(&name).expect(&name) {
+            Kind::Real(of) => assert_eq!(Some(of.unit.name), quantity.unit, "{name}"),
+            Kind::Integer | Kind::Boolean => assert_eq!(None, quantity.unit, "{name}"),
+            Kind::String => panic!("{name} is a text"),
+        }
     }
-    TOTALS.iter().for_each(|quantity| check(quantity, quantity.variable));
     // Nothing that the FMU says of an agent is left out, but what is the rest of two others.
     let left = outputs.keys().filter(|name| name.starts_with("agent[0]."));
     let left: Vec<&String> = left.filter(|name| !name.ends_with(".MeanPeopleForce")).collect();
