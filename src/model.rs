@@ -13,9 +13,7 @@ use crate::quantities::{
 use crate::resources::{Resources, ResourcesError};
 use crate::setup::{FINEST_ACCURACY, Setup, dynamics_of, interactions_of};
 use lemons_core::files::{Change, WriteError, change_all};
-use lemons_core::trial::{
-    DriveTable, DynamicsElement, Problem, Trial, dynamics_xml, interactions_xml, output_names,
-};
+use lemons_core::trial::{DriveTable, DynamicsElement, Trial, dynamics_xml, interactions_xml, output_names};
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Dependencies, Known, Role, Scalar, Size, Variable};
 use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, refuse};
@@ -331,7 +329,7 @@ impl Model for CrowdModel {
             self.settings.elements.keys().all(|(quantity, _)| quantity.row().role == Role::Input);
         if self.settings.tolerance.is_some() || !inputs_only {
             let advice = Setup::of(&self.trial).advice_as_edited();
-            self.warnings.extend(advice.iter().map(Problem::without_severity));
+            self.warnings.extend(advice.iter().map(|problem| format!("{problem:#}")));
         }
         // Warnings about these centres were given when they were read or set.
         self.said_coincident = self.first_coincident();

@@ -3,7 +3,7 @@
 use crate::setup;
 use lemons_core::files::input;
 use lemons_core::files::source::{Disk, Source};
-use lemons_core::trial::{DriveTable, FileNames, Problem, Problems, Trial};
+use lemons_core::trial::{DriveTable, FileNames, Problems, Trial};
 use lemons_fmi::location::{Location, LocationError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -103,7 +103,7 @@ impl Resources {
         let (mut trial, warnings) = setup::read_from(files, &directory.join(name), &FileNames::default())
             .map_err(|problems| ResourcesError::Broken { name: name.to_owned(), problems })?;
         name.clone_into(&mut trial.name);
-        Ok((trial, warnings.iter().map(Problem::without_severity).collect()))
+        Ok((trial, warnings.iter().map(|problem| format!("{problem:#}")).collect()))
     }
 
     /// Reads the drive of a packed Trial; empty if it has none.

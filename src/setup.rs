@@ -53,8 +53,6 @@ pub fn read_from(
     names: &FileNames,
 ) -> Result<(Trial, Problems), Problems> {
     let (trial, mut problems) = Trial::read_from(files, directory, names)?;
-    for problem in Setup::of(&trial).advice(&trial.places(names)) {
-        problems.push(problem);
-    }
+    problems.extend(Setup::of(&trial).advice(&trial.places(names)));
     if problems.has_errors() { Err(problems) } else { Ok((trial, problems)) }
 }

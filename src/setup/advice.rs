@@ -3,9 +3,8 @@
 use super::steps::{CONTACTS_AT_ONCE, Fastest, rounded_down};
 use super::{Setup, WorldError};
 use crate::engine::{Contact, ContactReport, Pair, Scene, World};
-use lemons_core::trial::{FileNames, Problem, Severity, quoted};
+use lemons_core::trial::{FileNames, Problem, Rule, quoted};
 use std::collections::{BTreeSet, HashSet};
-use std::path::Path;
 
 /// Largest distance that a disk moves in a proposed step, as a fraction of its radius.
 const PROPOSED_SHARE_OF_RADIUS: f64 = 1.0 / 10.0;
@@ -31,9 +30,10 @@ impl Setup<'_> {
         };
         let scene = world.scene();
         let overlaps = self.overlaps_at_start(scene, world.contacts()).into_iter();
+        let overlaps = overlaps.map(|message| Problem::by(Rule::Overlap, dynamics, message));
         let coincident = self.name_coincident(scene, &world.contacts().coincident);
-        let mut advice: Vec<_> =
-            overlaps.chain(coincident).map(|message| warning(dynamics, message)).collect();
+        let coincident = coincident.map(|message| Problem::by(Rule::SamePlace, dynamics, message));
+        let mut advice: Vec<_> = overlaps.chain(coincident).collect();
         advice.extend(self.coarse_step(scene, places));
         advice.extend(self.stepping_over(scene, places));
         advice.extend(self.unusual(places));
@@ -117,13 +117,13 @@ impl Setup<'_> {
         let ratio = rates.damping / rates.critical_damping();
         if ratio > ABSURD_DAMPING {
             let message = format!("{verdict}: {}", self.absurd_damping(scene, *materials, ratio));
-            return Some(self.warning_of_step(places, message));
+            return Some(self.of_step(Rule::StepTooLong, places, message));
         }
         let Some(proposed) = steps.proposed() else {
             let message = format!(
                 "no step resolves the contact of {pair}: are mass, moment of inertia and materials right?"
             );
-            return Some(self.warning_of_step(places, message));
+            return Some(self.of_step(Rule::StepTooLong, places, message));
         };
         let damping = match rates.damping {
             0.0 => String::new(),
@@ -133,13 +133,13 @@ impl Setup<'_> {
             "{verdict} (period {:.2e} s{damping}). A step of at most {proposed:e} s resolves all contacts",
             rates.period()
         );
-        Some(self.warning_of_step(places, message))
+        Some(self.of_step(Rule::StepTooLong, places, message))
     }
 
-    /// Returns a warning about `TimeStepMechanical`.
-    pub(super) fn warning_of_step(&self, places: &FileNames, message: String) -> Problem {
+    /// Returns what a rule says of `TimeStepMechanical`.
+    pub(super) fn of_step(&self, rule: Rule, places: &FileNames, message: String) -> Problem {
         let step = format!("{:?}", self.parameters.time_step_mechanical);
-        warning_of_attribute(places, "TimeStepMechanical", step, message)
+        of_attribute(rule, places, "TimeStepMechanical", step, message)
     }
 
     /// Returns a message that the damping of two materials is the cause, not the step.
@@ -196,17 +196,13 @@ impl Setup<'_> {
             "a disk of agent {id} may move {moved:.2e} m in it, further than its radius {radius:?} m, and step over a \
              wall or somebody{others}: by Velocity and Fp the agent comes to {speed:.2e} m/s; {cure}"
         );
-        Some(self.warning_of_step(places, message))
+        Some(self.of_step(Rule::StepOver, places, message))
     }
 }
 
-/// Makes a warning about a file.
-pub(super) fn warning(file: &Path, message: String) -> Problem {
-    Problem { severity: Severity::Warning, ..Problem::of_file(file, None, message) }
-}
-
-/// Makes a warning about a value of an attribute of the Trial's files.
-pub(super) fn warning_of_attribute(
+/// Returns what a rule says of a value of an attribute of the Trial's files.
+pub(super) fn of_attribute(
+    rule: Rule,
     places: &FileNames,
     attribute: &str,
     value: String,
@@ -217,7 +213,7 @@ pub(super) fn warning_of_attribute(
         element: element.map(str::to_owned),
         attribute: Some(attribute.to_owned()),
         value: Some(value),
-        ..warning(&file.unwrap_or_default(), message)
+        ..Problem::by(rule, &file.unwrap_or_default(), message)
     }
 }
 

@@ -2,11 +2,10 @@
 //! of a minute, people outside of the walls or inside a pillar.
 
 use super::Setup;
-use super::advice::warning;
 use super::within::{Inside, outside_rooms, within_pillars};
 use crate::engine::{Body, CornerId, Face, FaceId, Scene, Vec2};
 use lemons_core::plane::{Bounds, vec2};
-use lemons_core::trial::{Agent, BODY_MASS_INDEX, FileNames, Problem, Wall, quoted};
+use lemons_core::trial::{Agent, BODY_MASS_INDEX, FileNames, Problem, Rule, Wall, quoted};
 use std::collections::HashSet;
 
 /// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
@@ -36,16 +35,17 @@ impl Setup<'_> {
     pub(super) fn doubts(&self, scene: &Scene, places: &FileNames) -> impl Iterator<Item = Problem> {
         let positions: Vec<Vec2> = self.dynamics.iter().map(|dynamics| dynamics.position).collect();
         let doubts = [
-            (&places.agents, self.doubts_of_bodies(scene)),
-            (&places.agents, self.doubts_of_centres(scene)),
-            (&places.agents, self.doubts_of_masses()),
-            (&places.geometry, self.doubts_of_walls(scene)),
-            (&places.geometry, self.doubts_of_doubled_faces(scene)),
-            (&places.geometry, self.doubts_of_openings()),
-            (&places.dynamics, self.doubts_of_places(scene, &positions)),
-            (&places.dynamics, self.doubts_of_pillars(&positions)),
+            (Rule::BodySize, &places.agents, self.doubts_of_bodies(scene)),
+            (Rule::Centre, &places.agents, self.doubts_of_centres(scene)),
+            (Rule::BodyMass, &places.agents, self.doubts_of_masses()),
+            (Rule::WallsSize, &places.geometry, self.doubts_of_walls(scene)),
+            (Rule::WallsDoubled, &places.geometry, self.doubts_of_doubled_faces(scene)),
+            (Rule::OpeningShort, &places.geometry, self.doubts_of_openings()),
+            (Rule::Outside, &places.dynamics, self.doubts_of_places(scene, &positions)),
+            (Rule::InPillar, &places.dynamics, self.doubts_of_pillars(&positions)),
         ];
-        let doubts = doubts.into_iter().filter_map(|(file, doubt)| Some(warning(file, doubt?)));
+        let doubts =
+            doubts.into_iter().filter_map(|(rule, file, doubt)| Some(Problem::by(rule, file, doubt?)));
         self.doubts_of_steps(places).into_iter().chain(doubts.collect::<Vec<_>>())
     }
 
@@ -66,7 +66,7 @@ impl Setup<'_> {
         let step = self.parameters.time_step;
         let steps = step / self.parameters.time_step_mechanical;
         let message = format!("is short: each TimeStep of {step:?} s takes {steps:.1e} mechanical steps");
-        (steps > MANY_STEPS).then(|| self.warning_of_step(places, message))
+        (steps > MANY_STEPS).then(|| self.of_step(Rule::StepTooShort, places, message))
     }
 
     /// Returns the first body that is odd, the Id of its agent, and how many there are in all.

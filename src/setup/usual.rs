@@ -1,10 +1,10 @@
 //! The usual values of attributes, and the units in which others may be by mistake.
 
 use super::Setup;
-use super::advice::warning_of_attribute;
+use super::advice::of_attribute;
 use crate::engine::{Vec2, vec2};
 use lemons_core::trial::{
-    Agent, AgentDynamics, Contact, DriveTable, FileNames, Material, Problem, Push, quoted,
+    Agent, AgentDynamics, Contact, DriveTable, FileNames, Material, Problem, Push, Rule, quoted,
 };
 
 /// The rows of `usual.txt`: for each attribute its usual values, and why others are not.
@@ -168,7 +168,7 @@ impl Setup<'_> {
     pub(super) fn unusual(&self, places: &FileNames) -> impl Iterator<Item = Problem> {
         table().filter_map(|usual| {
             let (value, message) = usual.doubt(usual.values(self))?;
-            Some(warning_of_attribute(places, usual.attribute, value, message))
+            Some(of_attribute(Rule::Unusual, places, usual.attribute, value, message))
         })
     }
 }
@@ -188,13 +188,17 @@ pub fn doubts_of_drive(drive: &DriveTable) -> Vec<String> {
             Value { shown: format!("{to:?}"), ..value(to - from, within) }
         })
     });
+    // Ours end with zeros, so that nothing else drives people then.
+    let is_push = |rows: &&[(f64, Push)]| rows.iter().any(|(_, push)| *push != [0.0; 3]);
+    let ends = agents.iter().filter_map(|(_, rows)| Some(rows.windows(2).rfind(is_push)?[1].0));
+    let end = ends.max_by(f64::total_cmp);
     let quickest = changes.min_by(|a, b| a.value.total_cmp(&b.value));
     let doubts = table().filter_map(|usual| {
         let (column, values) = match usual.attribute {
             "Fp" => ("Fp", pushes().map(|(of, [x, y, _])| vector(vec2(*x, *y), of)).collect()),
             "Mp" => ("Mp", pushes().map(|(of, [_, _, torque])| value(*torque, of)).collect()),
             "change" => ("t", quickest.iter().cloned().collect()),
-            "end" => ("t", drive.end().map(|end| value(end, "last row".into())).into_iter().collect()),
+            "end" => ("t", end.map(|end| value(end, "last row".into())).into_iter().collect()),
             _ => return None,
         };
         let (shown, message) = usual.doubt(values)?;
@@ -221,6 +225,8 @@ mod tests {
         };
         // Somebody who pushes for ten minutes.
         assert_eq!(said("0,a,0,0,0\n0.3,a,600,-100,9\n0.6,a,0,0,0\n1,b,50,0,0\n600,b,50,0,0\n"), [""; 0]);
+        // As our pulses end.
+        assert_eq!(said("0,a,0,0,0\n0.3,a,600,0,0\n0.6,a,0,0,0\n1e6,a,0,0,0\n"), [""; 0]);
         for (rows, words) in [
             (
                 "0,a,0,0,0\n0.3,a,0,-1e6,0\n0.6,a,0,0,0\n",

@@ -1,7 +1,7 @@
 //! Finds people inside closed walls.
 
 use crate::engine::Vec2;
-use lemons_core::plane::{Bounds, Ring};
+use lemons_core::plane::{Bounds, Ring, is_closed};
 use lemons_core::trial::Wall;
 use std::collections::BTreeMap;
 
@@ -25,11 +25,6 @@ pub(super) struct Inside {
     pub(super) count: usize,
     /// Number of agents around that wall.
     pub(super) around: usize,
-}
-
-/// Returns whether a wall ends where it begins.
-fn is_closed(wall: &Wall) -> bool {
-    wall.corners.len() > 3 && wall.corners.first() == wall.corners.last()
 }
 
 /// Finds people inside pillars.
@@ -74,7 +69,7 @@ pub(super) fn outside_rooms(walls: &[Wall], places: &[Vec2]) -> Option<(Vec<usiz
     outside.sort_unstable();
     let is_room = |wall: &Wall| {
         let size = Bounds::of(wall.corners.iter().copied()).map(|bounds| bounds.size());
-        is_closed(wall) && size.is_some_and(|size| size.x.min(size.y) > ROOM)
+        is_closed(&wall.corners) && size.is_some_and(|size| size.x.min(size.y) > ROOM)
     };
     let alone = places.len() == 1 && outside.len() == 1 && walls.iter().any(is_room);
     (alone || outside.len() < inside.len()).then_some((outside, inside.len()))
@@ -92,7 +87,7 @@ struct Area {
 
 /// Returns for each tested agent the closed walls around it, from the largest on.
 fn enclosing(walls: &[Wall], places: &[Vec2], most: u64) -> Vec<(usize, Vec<usize>)> {
-    let closed = walls.iter().enumerate().filter(|(_, wall)| is_closed(wall));
+    let closed = walls.iter().enumerate().filter(|(_, wall)| is_closed(&wall.corners));
     let mut closed: Vec<(Ring, usize)> =
         closed.filter_map(|(wall, of)| Some((Ring::through(of.corners.clone())?, wall))).collect();
     closed.sort_by(|a, b| b.0.area().total_cmp(&a.0.area()).then(a.1.cmp(&b.1)));

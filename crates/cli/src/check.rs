@@ -1,222 +1,141 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
-pub mod walking;
-
 use crate::error::{TrialHasErrors, full_message};
-use anyhow::{Context, Result};
-use crowd_mechanics::setup::{Setup, doubts_of_drive};
+use crate::version::BUILD;
+use anyhow::Result;
 use lemons_core::files::words::shortened;
-use lemons_core::plane::Vec2;
-use lemons_core::trial::{AgentDynamics, DRIVE_FILE, Parameters, Problems, Trial};
-use lemons_decision::balance::Balance;
-use lemons_decision::plan::Planned;
-use lemons_decision::target::Destination;
-use lemons_decision::{DECISION_FILE, Plan};
-use lemons_master::{TrialInput, notes, plan_of};
-use std::path::{Path, PathBuf};
-
-/// \[m\] For which `check` names a step.
-const USUAL_ACCURACY: f64 = 1e-4;
+use lemons_core::rule::Row;
+use lemons_core::trial::{DriveTable, Parameters, Problem, Problems, Rule};
+use lemons_master::{TrialInput, plan_of};
+use lemons_sim::Documents;
+use lemons_sim::lint::{self, Files};
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+use serde_json::{Value, json};
+use std::path::{MAIN_SEPARATOR_STR, Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Trials to check: directories, or zips of them
     #[arg(required = true, value_name = "TRIAL")]
     trials: Vec<PathBuf>,
+    /// Print what is found as JSON, in the format SARIF 2.1.0: rules, levels, files and lines
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn check(arguments: &Arguments) -> Result<()> {
-    let mut sound = true;
+    let (mut sound, mut found) = (true, Vec::new());
     for path in &arguments.trials {
-        let (lines, summary) = match TrialInput::open(path) {
+        let (problems, summary) = match TrialInput::open(path) {
             Ok(given) => report(&given),
-            Err(error) => (vec![full_message(&error.into())], None),
+            Err(error) => {
+                let message = full_message(&error.into());
+                let problem = Problem::by(Rule::Invalid, Path::new(""), message);
+                (problem.into(), None)
+            }
         };
-        lines.iter().try_for_each(|line| say!("{}", shortened(line)))?;
-        match summary {
-            Some(summary) => say!("{}: {summary}", path.display())?,
-            None => sound = false,
+        sound &= !problems.has_errors();
+        if arguments.json {
+            found.extend(problems.iter().map(|problem| result(problem, path)));
+            continue;
         }
+        problems.iter().try_for_each(|problem| say!("{}", shortened(&problem.to_string())))?;
+        if let Some(summary) = summary {
+            say!("{}: {summary}", path.display())?;
+        }
+    }
+    if arguments.json {
+        say!("{:#}", sarif(&found))?;
     }
     if sound { Ok(()) } else { Err(TrialHasErrors.into()) }
 }
 
-/// Returns what is found in a Trial, and the summary of one without errors.
-fn report(given: &TrialInput) -> (Vec<String>, Option<String>) {
-    let errors_of = |problems: &Problems| problems.errors().count();
-    let texts_of = |problems: &Problems| problems.iter().map(ToString::to_string).collect::<Vec<_>>();
-    let number_of = |errors: usize| format!("{}: {}", given.path().display(), counted(errors, "error"));
-    let (trial, problems) = match given.read() {
+/// Returns what is found in a Trial, and its summary.
+fn report(given: &TrialInput) -> (Problems, Option<String>) {
+    let files = Files::within(given.path());
+    let errors_of = |problems: &Problems| Some(counted(problems.errors().count(), "error"));
+    let (trial, mut problems) = match given.read() {
         Ok(read) => read,
         Err(problems) => {
-            let mut lines = texts_of(&problems);
-            lines.push(number_of(errors_of(&problems)));
-            return (lines, None);
+            let errors = errors_of(&problems);
+            return (problems, errors);
         }
     };
-    let mut lines = texts_of(&problems);
-    let [plan_file, drive_file] = [DECISION_FILE, DRIVE_FILE].map(|name| given.path().join(name));
-    let found = |kind: &str, file: &Path, text: &str| format!("{kind}: {}: {text}", file.display());
-    let wishes = given.wishes();
-    let plan_of = |wishes: &Path| plan_of(&trial, wishes).with_context(|| wishes.display().to_string());
-    let plan = wishes.as_deref().map(plan_of).transpose();
-    if let Ok(Some(plan)) = &plan {
-        lines.extend(doubts_of_plan(plan, &trial).iter().map(|doubt| found(WARNING, &plan_file, doubt)));
-        lines.extend(walking::flat_push(plan).map(|text| found(NOTE, &plan_file, &format!("push: {text}"))));
-        let out_of_reach = walking::out_of_reach(plan, &trial.geometry);
-        lines.extend(out_of_reach.iter().map(|doubt| found(WARNING, &plan_file, doubt)));
-        lines.extend(walking::doubts(plan).iter().map(|(kind, doubt)| found(kind, &plan_file, doubt)));
+    let drive = given.drive(&trial).unwrap_or_else(|errors| {
+        problems.extend(errors.iter().cloned());
+        DriveTable::default()
+    });
+    let plan = given.wishes().map(|wishes| plan_of(&trial, &wishes)).transpose();
+    let plan = plan.unwrap_or_else(|error| {
+        problems.push(Problem::by(Rule::Invalid, &files.decision, full_message(&error.into())));
+        None
+    });
+    let documents = Documents { trial, drive, plan };
+    let Parameters { time_step, time_step_mechanical, .. } = documents.trial.parameters;
+    problems.extend(lint::of_documents(&documents, &files));
+    problems.extend(lint::of_step(&documents, time_step, &files));
+    if problems.has_errors() {
+        let errors = errors_of(&problems);
+        return (problems, errors);
     }
-    let Parameters { time_step, time_step_mechanical, .. } = trial.parameters;
-    let drive = given.drive(&trial);
-    let doubts = drive.iter().flat_map(doubts_of_drive);
-    lines.extend(doubts.map(|doubt| found(WARNING, &drive_file, &doubt)));
-    if wishes.is_some() && given.directory().join(DRIVE_FILE).exists() {
-        lines.push(format!("{NOTE}: {} (--no-drive: only these)", notes::drive_of_walkers(&plan_file)));
-    }
-    if let Ok(drive) = &drive {
-        match (drive.missed(0.0, time_step), drive.between(0.0, time_step)) {
-            (Some(missed), _) => lines.push(found(WARNING, &drive_file, &notes::missed(&missed, "TimeStep"))),
-            (None, (between @ 1.., of)) => {
-                let text = format!(
-                    "{between} of {of} rows are between communication points: the drive is interpolated at each \
-                     point and held until the next, so results depend on TimeStep"
-                );
-                lines.push(found(NOTE, &drive_file, &text));
-            }
-            _ => {}
-        }
-    }
-    let mut errors = 0;
-    if let Err(error) = plan {
-        // A zip is unpacked elsewhere.
-        lines.push(given.under_its_name(&format!("{error:#}")));
-        errors += 1;
-    }
-    if let Err(problems) = drive {
-        lines.extend(texts_of(&problems));
-        errors += errors_of(&problems);
-    }
-    if errors > 0 {
-        lines.push(number_of(errors));
-        return (lines, None);
-    }
-    let warnings = lines.iter().filter(|line| !line.starts_with("note: ")).count();
-    let about = about_step(&trial);
-    lines.extend(about.map(|about| found(NOTE, &given.path().join("Parameters.xml"), &about)));
+    problems.extend(lint::of_accuracy(&documents, given.path(), &files));
+    let warnings = problems.warnings().count();
     let summary = format!(
         "{}, {}, TimeStep {time_step:?} s, TimeStepMechanical {time_step_mechanical:?} s: {}",
-        counted(trial.agents.len(), "agent"),
-        counted(trial.geometry.walls.len(), "wall"),
+        counted(documents.trial.agents.len(), "agent"),
+        counted(documents.trial.geometry.walls.len(), "wall"),
         if warnings == 0 { "no problem".to_owned() } else { counted(warnings, "warning") }
     );
-    (lines, Some(summary))
-}
-
-/// Beginnings of lines: of what is probably not meant, and of what may be meant.
-const WARNING: &str = "warning";
-const NOTE: &str = "note";
-
-/// \[m/s\] Nobody walks so fast; numbers of km/h are mostly above it.
-const FASTEST: f64 = 3.0;
-
-/// Doubts those who want to be faster than people are, those who cannot walk, and forces that are not used.
-fn doubts_of_plan(plan: &Plan, trial: &Trial) -> Vec<String> {
-    let mut doubts = Vec::new();
-    let speed = |agent: &Planned| agent.walker.desired_speed;
-    let fast: Vec<&Planned> = plan.agents.iter().filter(|agent| speed(agent) > FASTEST).collect();
-    if let [first, others @ ..] = &fast[..] {
-        let others = match others.len() {
-            0 => String::new(),
-            n => format!(", and {n} others more than {FASTEST:?} m/s"),
-        };
-        doubts.push(format!(
-            "agent {:?} wants {:?} m/s{others}: people walk at 0.5 to 2 m/s, and run at 3 to 5 m/s",
-            first.id,
-            speed(first)
-        ));
-    }
-    // The force with which people walk is proportional to FloorDamping.
-    let unmoved: Vec<&Planned> =
-        plan.agents.iter().filter(|agent| agent.walker.floor_damping == 0.0).collect();
-    let goes =
-        |agent: &&&Planned| !agent.walker.waypoints.is_empty() || agent.destination != Destination::None;
-    if let Some(first) = unmoved.iter().find(goes) {
-        doubts.push(format!(
-            "{} of {} agents cannot walk (first {:?}): FloorDamping=\"0\" in Agents.xml, and the force with which they walk \
-             is Mass · FloorDamping · speed",
-            unmoved.iter().filter(goes).count(),
-            plan.agents.len(),
-            first.id
-        ));
-    }
-    doubts.extend(doubts_of_legs(plan, &unmoved));
-    let is_pushed = |dynamics: &AgentDynamics| dynamics.fp != Vec2::zeros() || dynamics.mp != 0.0;
-    let pushed = trial.agents.iter().zip(&trial.dynamics).filter(|(_, dynamics)| is_pushed(dynamics));
-    let pushed: Vec<&str> = pushed.map(|(agent, _)| agent.id.as_str()).collect();
-    if let [first, others @ ..] = &pushed[..] {
-        let others = match others.len() {
-            0 => String::new(),
-            n => format!(" and {n} more"),
-        };
-        doubts.push(format!(
-            "Fp and Mp in AgentDynamics.xml of agent {first:?}{others} are not used, because people walk; forces of a \
-             {DRIVE_FILE} would be added"
-        ));
-    }
-    doubts
-}
-
-/// Doubts legs of people who do not try to stand still, and communication steps in which legs act too late.
-fn doubts_of_legs(plan: &Plan, unmoved: &[&Planned]) -> Vec<String> {
-    // The pendulum's ankles have a rate of their own.
-    let by_floor = matches!(plan.balance, Some(Balance::TwoLevel(_)));
-    let idle = unmoved.first().filter(|_| by_floor).map(|first| {
-        let id = &first.id;
-        format!("agent {id:?} has legs and FloorDamping=\"0\" in Agents.xml: it does not try to stand still")
-    });
-    idle.into_iter().chain(late_legs(plan, plan.time_step)).collect()
-}
-
-/// Doubts a communication step \[s\] in which legs act too late.
-pub fn late_legs(plan: &Plan, step: f64) -> Option<String> {
-    let damping = plan.agents.iter().map(|agent| agent.walker.floor_damping).fold(0.0, f64::max);
-    let longest = plan.balance?.longest_step(damping);
-    (step > longest * (1.0 + 1e-9)).then(|| {
-        format!(
-            "communication step {step:?} s: legs act once in a step; with more than {longest:.3} s they act too late \
-             (--step; TimeStep in Parameters.xml)"
-        )
-    })
-}
-
-/// Says up to which mechanical step a Trial is stable, and how accurate its own and another one are. `None` if nothing can
-/// touch, since any step is exact then.
-fn about_step(trial: &Trial) -> Option<String> {
-    let steps = Setup::of(trial).steps()?;
-    let own = trial.parameters.time_step_mechanical;
-    let stable = steps.stable();
-    let (not, error) = if own < stable {
-        ("", format!(", with an error of about {} in a collision", length(steps.error(own))))
-    } else {
-        ("not ", String::new())
-    };
-    let usual = steps.accurate_to(USUAL_ACCURACY).map_or(String::new(), |step| {
-        format!("; a step of {step:e} s has an error of about {}", length(USUAL_ACCURACY))
-    });
-    Some(format!("TimeStepMechanical {own:e} s: {not}stable (up to {stable:.1e} s){error}{usual}"))
-}
-
-/// Writes a length \[m\] in its usual unit.
-fn length(metres: f64) -> String {
-    let (unit, factor) = [("m", 1.0), ("mm", 1e3), ("µm", 1e6)]
-        .into_iter()
-        .find(|(_, factor)| metres * factor >= 0.1)
-        .unwrap_or(("nm", 1e9));
-    let number = format!("{:.1e}", metres * factor).parse().unwrap_or(metres * factor);
-    format!("{number} {unit}")
+    (problems, Some(summary))
 }
 
 fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// A result of SARIF; what is in no file is in the Trial at a path.
+fn result(problem: &Problem, path: &Path) -> Value {
+    let Problem { rule, file, line, element, attribute, message, .. } = problem;
+    let file = if file.as_os_str().is_empty() { path } else { file };
+    let mut place = json!({ "artifactLocation": { "uri": uri(file) } });
+    if let Some(line) = line {
+        place["region"] = json!({ "startLine": line });
+    }
+    let mut location = json!({ "physicalLocation": place });
+    if let Some(element) = element {
+        let of = attribute.iter().map(|attribute| format!("{element}/@{attribute}")).next();
+        location["logicalLocations"] = json!([{ "fullyQualifiedName": of.as_ref().unwrap_or(element) }]);
+    }
+    let level = problem.severity().to_string();
+    json!({ "ruleId": rule.row().id, "level": level, "message": { "text": message }, "locations": [location] })
+}
+
+/// Characters that stand for themselves in the path of an URI.
+const PLAIN: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~').remove(b'/');
+
+/// The URI of a file; relative, as its path.
+fn uri(file: &Path) -> String {
+    let text = file.to_string_lossy().replace(MAIN_SEPARATOR_STR, "/");
+    let text = utf8_percent_encode(&text, PLAIN);
+    if file.is_absolute() { format!("file:///{text}").replacen("////", "///", 1) } else { text.to_string() }
+}
+
+/// A log of SARIF 2.1.0 with these results.
+fn sarif(results: &[Value]) -> Value {
+    let rule = |rule: &Rule| {
+        let Row { id, severity, means, advice, .. } = rule.row();
+        json!({
+            "id": id,
+            "shortDescription": { "text": means },
+            "help": { "text": advice },
+            "defaultConfiguration": { "level": severity.to_string() }
+        })
+    };
+    let rules: Vec<Value> = Rule::ALL.iter().map(rule).collect();
+    let driver = json!({ "name": "lemons check", "version": BUILD.to_string(), "rules": rules });
+    json!({
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [{ "tool": { "driver": driver }, "results": results }]
+    })
 }

@@ -19,7 +19,7 @@ use crate::print;
 use crate::run::until;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::quantities::segments;
-use lemons_core::trial::Trial;
+use lemons_core::trial::{Rule, Trial};
 use lemons_decision::Plan;
 use lemons_results::measure::{Line, MeasuringArea, Room};
 use lemons_results::{LEANING, Record};
@@ -205,8 +205,8 @@ impl Arguments {
                 material.id
             )
         });
-        let flat = self.source.plan(trial).as_ref().and_then(Plan::flat_push);
-        stiff.into_iter().chain(flat.map(str::to_owned)).collect()
+        let flat = self.source.plan(trial).filter(Plan::queues).map(|_| Rule::FlatPush.text());
+        stiff.into_iter().chain(flat).collect()
     }
 
     /// Returns where people can be; `None` if no walls or polygon say it of measured people.

@@ -7,7 +7,6 @@ mod outputs;
 mod recorder;
 mod trial;
 
-use crate::check::late_legs;
 use crate::connect::plain_names;
 use crate::error::{Misused, and_then, full_message};
 use crate::files::{self, Force};
@@ -20,13 +19,12 @@ use accuracy::{Poses, run_for};
 use anyhow::{Context, Error, Result, bail};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::ProgressBar;
-use lemons_core::plane::Vec2;
 use lemons_core::trial::DriveChoice;
 use lemons_decision::Plan;
-use lemons_decision::target::nearest_exit;
 use lemons_master::{FileType, PlanChoice, Saved, Settings, TrialInput, writers};
 use lemons_results::measure::{Leaving, WAITING, Wait};
 use lemons_results::{Format, Frame, Run};
+use lemons_sim::lint::late_legs;
 use lemons_sim::{Algorithm, PointKind, Stepper, Until};
 use model::{CrowdInfo, Model, Prepared};
 use outputs::{OutputTable, Place};
@@ -273,7 +271,8 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         before,
     } = prepare(&settings)?;
     model.take_warnings().iter().for_each(|warning| note!("{warning}"));
-    plans.iter().filter_map(|plan| late_legs(plan, clock.step)).for_each(|doubt| note!("warning: {doubt}"));
+    let late = plans.iter().filter_map(|plan| late_legs(plan, clock.step, Path::new("")));
+    late.for_each(|found| note!("{found}"));
     summary.push(format!("communication step {:>10} s", clock.step));
     if compared && mechanical_steps.is_empty() {
         bail!(
@@ -381,8 +380,8 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     }
     let mut warnings = Vec::new();
     if let (Ok(()), [plan], [crowd]) = (&done, &plans[..], &recorders[..]) {
-        warnings.extend(stuck_warning(&*model, plan, crowd));
-        warnings.extend(uneven_queues(plan, crowd).filter(|_| !about.goes_on));
+        let found = crowd.end.findings(plan, model.drive().as_deref(), !about.goes_on);
+        warnings.extend(found.iter().map(ToString::to_string));
     }
     if !over {
         summary.push(format!("stopped by Ctrl-C  {time:>10.3} s"));
@@ -460,70 +459,6 @@ fn note_remaining(leaving: &Leaving, recorders: &[CrowdRecorder], time: f64) {
     let ids: Vec<&String> = recorders.iter().flat_map(|crowd| &crowd.crowd.ids).collect();
     let stay: Vec<&String> = leaving.stay().map(|agent| ids[agent]).collect();
     note!("warning: {why} (still there: {})", print::few(&stay, 5));
-}
-
-/// Ratio and difference \[s\] of the times of the last departures by two exits: from these on, a note is printed.
-const UNEVEN: (f64, f64) = (1.5, 10.0);
-
-/// A note for the end of a run in which the last person left by one exit much later than by another, or nobody by that.
-fn uneven_queues(plan: &Plan, crowd: &CrowdRecorder) -> Option<String> {
-    // Those that are closed at times are used unevenly.
-    if plan.targets.iter().any(|exit| exit.open.is_some()) {
-        return None;
-    }
-    // \[s\] With the names; 0 where nobody has left.
-    let exits = plan.targets.iter().enumerate().filter(|(_, target)| !target.stay);
-    let mut last: Vec<(usize, &str, f64)> = exits.map(|(k, exit)| (k, &exit.name[..], 0.0)).collect();
-    for (time, at) in &crowd.departures {
-        let exit = nearest_exit(&plan.targets, *at)?;
-        let entry = last.iter_mut().find(|entry| entry.0 == exit)?;
-        entry.2 = time.max(entry.2);
-    }
-    let order = |a: &&(usize, &str, f64), b: &&(usize, &str, f64)| a.2.total_cmp(&b.2);
-    let (least, most) = (last.iter().min_by(order)?, last.iter().max_by(order)?);
-    if most.2 <= UNEVEN.0 * least.2 || most.2 <= least.2 + UNEVEN.1 {
-        return None;
-    }
-    let before = match least {
-        (_, name, 0.0) => format!("nobody by {name:?}"),
-        (_, name, time) => format!("by {name:?} at {time:.1} s"),
-    };
-    Some(format!(
-        "note: exits are used unevenly: the last person left by {:?} at {:.1} s, {before} (exit_choice in decision.toml)",
-        most.1, most.2
-    ))
-}
-
-/// Part of the desired speed: who is slower and touched gets no further.
-const STUCK: f64 = 0.1;
-
-/// A warning for the end of a run with the model `straight` if more than half of the people who are there are pushed,
-/// want to walk and get no further.
-fn stuck_warning(model: &dyn Model, plan: &Plan, crowd: &CrowdRecorder) -> Option<String> {
-    let frame = &crowd.last;
-    let (forces, observed) = (model.drive()?, frame.observed.as_ref()?);
-    // With legs, who is pushed and stands does not press on.
-    if plan.walking_model.sees_others() || plan.balance.is_some() {
-        return None;
-    }
-    let people = plan.agents.iter().zip(forces).zip(observed).zip(&frame.agents);
-    let squeezes = people.filter_map(|(((agent, force), observed), motion)| {
-        let squeeze = observed.of_step?.mean_normal_force;
-        let slow = motion.twist.velocity.norm() < STUCK * agent.walker.desired_speed;
-        (slow && force != Vec2::zeros() && squeeze > 0.0).then_some(squeeze)
-    });
-    let mut squeezes: Vec<f64> = squeezes.collect();
-    squeezes.sort_by(f64::total_cmp);
-    let (stuck, there) = (squeezes.len(), frame.present().count());
-    (2 * stuck > there && stuck > 1).then(|| {
-        format!(
-            "warning: at t = {:.3} s {stuck} of the {there} people who are there press on and get no further (median squeeze \
-             {:.0} N): in the model \"straight\" people walk on, whoever is in the way (in decision.toml, model = \
-             \"rotational\" makes them keep distances)",
-            frame.time,
-            squeezes[stuck / 2]
-        )
-    })
 }
 
 /// The error of a run that stopped at a time \[s\], after what became of its files was told.

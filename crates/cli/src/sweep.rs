@@ -97,9 +97,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         (Err(error), None) => return Err(error.into()),
     };
     let wall = started.elapsed().as_secs_f64();
-    for warning in &warnings {
-        note!("note: {warning} (drive = false: only these)");
-    }
+    warnings.iter().for_each(|warning| note!("{warning}"));
     let told = print_points(&rows, at, wall, threads, may_end);
     if at.done < at.total {
         return Err(Interrupted(format!("{}; go on with the same command", kept(at))).into());

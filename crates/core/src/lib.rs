@@ -9,5 +9,6 @@
 pub mod distribution;
 pub mod files;
 pub mod plane;
+pub mod rule;
 pub mod trial;
 pub mod xml;

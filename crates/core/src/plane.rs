@@ -21,7 +21,7 @@ pub use ground::{ground, parts};
 pub use hull::{body_meets, convex_hull, hull_meets};
 pub use polygon::Polygon;
 pub use pose::{Motion, Pose, Twist, shown_orientation};
-pub use ring::{Foot, Ring, nearest_on_line};
+pub use ring::{Foot, Ring, is_closed, nearest_on_line};
 pub use rotation::{Rotation, SMALL_TURN, further, rotation};
 pub use segment::{nearest_on_segment, ray_crosses, segments_cross, segments_touch, turn};
 pub use simple::sides_that_meet;

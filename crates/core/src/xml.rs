@@ -16,5 +16,5 @@ mod write;
 pub use check::{MOST_ATTRIBUTES, MOST_NAMESPACES};
 pub use document::{Document, Element};
 pub use number::{decimal, number};
-pub use problem::{Problem, Result, Severity, quoted};
+pub use problem::{Problem, Result, quoted};
 pub use write::{Attributes, Layout, Out, escaped};

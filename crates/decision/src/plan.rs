@@ -94,14 +94,10 @@ pub struct Plan {
     pub agents: Vec<Planned>,
 }
 
-/// What the squeezes and the limits of pushes of people who queue can mean.
-pub const FLAT_PUSH: &str = "in the model \"rotational\" people queue with gaps: above about 150 N squeezes hardly grow with \
-    the push, and they are no estimate of a crowd that presses without gaps (docs/walking.md#how-hard-people-push)";
-
 impl Plan {
-    /// Returns what the squeezes of its people can mean, and what not, for the person who reads them.
-    pub fn flat_push(&self) -> Option<&'static str> {
-        matches!(self.walking_model, WalkingModel::Rotational(_)).then_some(FLAT_PUSH)
+    /// Returns whether its people queue with gaps, and hardly press, whatever the limits of pushes are.
+    pub fn queues(&self) -> bool {
+        matches!(self.walking_model, WalkingModel::Rotational(_))
     }
 
     /// Makes a plan from settings for the people of a Trial, among its walls. Ways lead through walls that open. People stop

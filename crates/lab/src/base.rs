@@ -7,6 +7,7 @@ use lemons_decision::{DecisionConfig, Plan};
 use lemons_people::Agent;
 use lemons_people::placing::Watch;
 use lemons_scenario::Scenario;
+use lemons_sim::Documents;
 use serde::Deserialize;
 
 /// Where a Trial comes from.
@@ -56,6 +57,12 @@ impl Driven {
     pub fn alone(trial: Trial, people: Option<Vec<Agent>>) -> Driven {
         let (drive, wishes) = (String::new(), String::new());
         Driven { trial, people, drive, table: DriveTable::default(), wishes, plan: None }
+    }
+
+    /// Returns what is simulated.
+    pub fn documents(&self) -> Documents {
+        let Driven { trial, table, plan, .. } = self.clone();
+        Documents { trial, drive: table, plan }
     }
 
     /// Takes settings of Decision.

@@ -38,10 +38,12 @@ pub mod upload;
 
 use base::{Base, Basis};
 use lemons_people::placing::Watch;
+use lemons_sim::lint::{self, Files};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::Path;
 
 /// A request of a page. `run` is the number of the run that is meant: a page may still ask about one that another has
 /// replaced. Places are in m, angles in rad.
@@ -226,7 +228,11 @@ impl Lab {
         let change = |mechanics: &mechanics::Mechanics| mechanics.change(&mut edited.trial, of_crowd);
         let warnings = shown.mechanics.as_ref().map(change).transpose()?;
         let driven = motion::driven(edited, &shown.motion)?;
-        let mut notes: Vec<String> = basis.notes.iter().cloned().chain(motion::missed(&driven)).collect();
+        let (documents, files) = (driven.documents(), Files::within(Path::new("")));
+        let mut found = lint::of_documents(&documents, &files);
+        found.extend(lint::of_step(&documents, documents.trial.parameters.time_step, &files));
+        let mut notes = basis.notes.clone();
+        notes.extend(found.iter().map(ToString::to_string));
         if edit::room_of(&shown.edits).is_some() {
             notes.extend(room::unfit(&basis.driven.trial, &driven.trial));
         }

@@ -4,7 +4,7 @@
 use crate::base::Driven;
 use crate::{Refused, require, within};
 use lemons_core::plane::Vec2;
-use lemons_core::trial::{DRIVE_FILE, Trial};
+use lemons_core::trial::Trial;
 use lemons_decision::rule::Waypoint;
 use lemons_decision::{BalanceName, DecisionConfig, plan};
 use lemons_scenario::Push;
@@ -85,12 +85,6 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
         }
     };
     driven.decided(config)
-}
-
-/// Tells that rows of a drive file between communication points have no effect.
-pub fn missed(of: &Driven) -> Option<String> {
-    let missed = of.table.missed(0.0, of.trial.parameters.time_step)?;
-    Some(format!("{DRIVE_FILE}: {missed}"))
 }
 
 /// As [`lemons_scenario::own_speeds`], if people are known.

@@ -9,7 +9,7 @@ use crowd_mechanics::engine::{PairForce, World};
 use lemons_core::plane::Pose;
 use lemons_people::Figure;
 use lemons_results::Frame;
-use lemons_sim::{Algorithm, Clock, Documents, Observer, Replay, Simulation, Stepper};
+use lemons_sim::{Algorithm, Clock, Observer, Replay, Simulation, Stepper};
 use serde::Serialize;
 use std::cell::OnceCell;
 use std::ops::ControlFlow;
@@ -53,9 +53,7 @@ impl Run {
     /// Materials that can touch have no usable contact, too many people are at one place, or no ways to exits and goals
     /// can be found.
     pub fn begin(driven: Driven) -> Result<Run, Refused> {
-        let Driven { trial, table, plan, .. } = driven.clone();
-        let documents = Documents { trial, drive: table, plan };
-        let mut simulation = Simulation::new(documents, Algorithm::Jacobi)?;
+        let mut simulation = Simulation::new(driven.documents(), Algorithm::Jacobi)?;
         simulation.begin(0.0, None)?;
         // Communication points are multiples, as those of `lemons run`.
         let points = Stepper::new(Clock::endless(0.0, driven.trial.parameters.time_step), 1, None);

@@ -2,9 +2,8 @@
 //! memory.
 
 use crate::error::Error;
-use lemons_core::trial::{DRIVE_FILE, Missed};
+use lemons_core::trial::DRIVE_FILE;
 use lemons_decision::DECISION_FILE;
-use std::path::Path;
 
 /// Says that nothing moves a Trial's people: no drive, no `decision.toml`, no force and no speed at the start.
 pub fn still() -> String {
@@ -26,23 +25,12 @@ pub fn differs(name: &str, [(one, here), (other, there)]: [(&str, f64); 2], peop
     format!("warning: {name} is {here:?} in {one}, but {there:?} in {other} (of {people}): set it in both")
 }
 
-/// Says that a Trial has a drive, and a file by which its people walk.
-pub fn drive_of_walkers(plan: &Path) -> String {
-    let plan = plan.display();
-    format!("the forces of {DRIVE_FILE} are added to those with which people walk ({plan})")
-}
-
 /// Says that a connection feeds Fp or Mp of people whom the drive in the FMU of this component would drive.
 pub fn drive_replaced(component: &str) -> String {
     format!(
         "note: {component}: the {DRIVE_FILE} in it does not act on people whose Fp or Mp is connected; of a Trial with \
          {DECISION_FILE}, lemons run TRIAL adds it to the forces with which they walk"
     )
-}
-
-/// Says that rows of a drive are never applied; `by` sets the communication step that applies them.
-pub fn missed(missed: &Missed, by: &str) -> String {
-    if missed.shortest.is_finite() { format!("{missed} ({by})") } else { missed.to_string() }
 }
 
 /// Says that a parameter names no variable, but its name is like one, or another component has it.

@@ -1,13 +1,12 @@
 //! Settings of a run.
 
 use crate::error::{Error, Place, Result, ensure};
-use crate::notes;
 use crate::saved::Saved;
 use crate::trial_input::PlanChoice;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::trial::{DriveChoice, DriveTable};
-use lemons_sim::{Algorithm, Clock};
-use std::path::PathBuf;
+use lemons_sim::{Algorithm, Clock, lint};
+use std::path::{Path, PathBuf};
 
 /// Settings of a run: all that somebody has to say of a run. See [`Prepared::of`](crate::Prepared::of).
 #[derive(Debug, Clone, Default)]
@@ -98,9 +97,7 @@ impl Settings {
             })?;
         }
         let clock = Clock::new(start, step, until).place(|| self.input.display().to_string())?;
-        let missed = drive.missed(start, step);
-        let missed =
-            missed.map(|rows| format!("warning: drive: {}", notes::missed(&rows, "TimeStep, --step")));
+        let missed = lint::missed(drive, start, step, Path::new("drive")).map(|found| found.to_string());
         let begun = before.map(|before| (before.time, before.index));
         let saved = self.saves.then_some((clock.until, clock.steps));
         let between = begun.into_iter().chain(saved).find(|(time, index)| *time != clock.point(*index));

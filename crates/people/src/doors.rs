@@ -1,7 +1,7 @@
 //! Doors: gaps in walls where people can pass, and the lines behind them where people have left.
 
 use crate::error::{PeopleError, Result, require};
-use lemons_core::plane::{Foot, InPlane, Ring, Vec2, nearest_on_line, vec2};
+use lemons_core::plane::{Foot, InPlane, Ring, Vec2, is_closed, nearest_on_line, vec2};
 use lemons_core::trial::{Geometry, OpeningTimes, Wall};
 use serde::{Deserialize, Serialize};
 
@@ -46,11 +46,6 @@ struct Gap<'a> {
 pub fn closed_walls(geometry: &Geometry) -> Vec<Ring> {
     let closed = geometry.walls.iter().filter(|wall| is_closed(&wall.corners));
     closed.filter_map(|wall| Ring::through(wall.corners.clone())).collect()
-}
-
-/// Returns whether a line ends where it begins, and has an inside.
-pub fn is_closed(line: &[Vec2]) -> bool {
-    line.len() > 3 && line.first() == line.last()
 }
 
 /// Cuts doors into closed walls, each into the nearest. Other walls stay as they are. The first piece of a wall keeps its

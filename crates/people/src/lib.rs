@@ -35,10 +35,11 @@ pub use body3d::{
 pub use copula::Correlations;
 pub use cover::{Cover, MOST_COVERING, cover};
 pub use custom::Custom;
-pub use doors::{Door, closed_walls, cut_doors, cut_doors_in_all, is_closed, nearest_wall};
+pub use doors::{Door, closed_walls, cut_doors, cut_doors_in_all, nearest_wall};
 pub use error::PeopleError;
 pub use kinds::{Body, BodyDisk, Kind, Kinds, Member, Origin, Part as KindPart, Solid};
 pub use lemons_core::distribution::{Distribution, Range, TruncatedNormal};
+pub use lemons_core::plane::is_closed;
 pub use lemons_core::plane::{Disk, Moments};
 pub use light_xml::light_xml;
 pub use person::{Measure, Person, Sex};

@@ -9,6 +9,7 @@ use lemons_core::trial::{DriveChoice, DriveTable, FileNames, Shape, Trial};
 use lemons_decision::{DecisionConfig, Plan};
 use lemons_master::{PlanChoice, documents_of, whole};
 use lemons_sim::Documents;
+use lemons_sim::lint::{self, Files};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -22,7 +23,7 @@ pub struct Model {
     /// The file that says where people walk, as the user knows it.
     #[pyo3(get)]
     plan: Option<PathBuf>,
-    /// What is probably not meant in the Trial.
+    /// What is probably not meant in it.
     #[pyo3(get)]
     warnings: Vec<String>,
 }
@@ -46,11 +47,13 @@ impl Model {
             None => PlanChoice::None,
         };
         let read = py.detach(|| documents_of(&path, &DriveChoice::Own, &choice));
-        let (documents, problems, plan) = read.map_err(|error| {
+        let (documents, mut problems, plan) = read.map_err(|error| {
             let is_fmu = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu"));
             let advice = if is_fmu { OTHER_FMU } else { "" };
             CommandError::new_err(format!("{}{advice}", short(whole(&error))))
         })?;
+        let files = Files { decision: plan.clone().unwrap_or_default(), ..Files::within(&path) };
+        problems.extend(lint::of_step(&documents, documents.trial.parameters.time_step, &files));
         Ok(Model { documents, plan, warnings: problems.iter().map(short).collect() })
     }
 

@@ -1,10 +1,14 @@
 //! A run under way, and what is recorded of it.
 
-use crate::simulation::{Simulation, check_finite, check_shape, condition, in_order, refused, until_of};
+use crate::simulation::{
+    Simulation, check_finite, check_shape, condition, in_order, refused, short, until_of,
+};
 use crowd_mechanics::engine::{Wrench, vec2};
+use lemons_decision::Plan;
 use lemons_results::columns::{ALL, Group, Groups, QUANTITIES, Row};
 use lemons_results::measure::Over;
 use lemons_results::{Frame, Totals};
+use lemons_sim::lint::RunEnd;
 use lemons_sim::{Clock, Observer, PointKind, SimError, Stepper};
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyMemoryError, PyValueError};
@@ -122,6 +126,7 @@ struct Recorded {
     numbers: Vec<f64>,
     /// When Python wants to be heard again.
     pause: Option<Instant>,
+    end: RunEnd,
 }
 
 impl Observer<lemons_sim::Simulation> for Recorded {
@@ -145,6 +150,7 @@ impl Observer<lemons_sim::Simulation> for Recorded {
         for frame in &frames {
             self.times.push(frame.time);
             observe(frame, &mut self.numbers);
+            self.end.see(frame);
         }
         let pauses = self.pause.is_some_and(|pause| Instant::now() >= pause);
         Ok(if pauses { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
@@ -158,7 +164,7 @@ impl Recording {
     #[new]
     fn new(simulation: &mut Simulation, until: Option<f64>, step: f64, whole: bool) -> PyResult<Recording> {
         let until = until_of(until);
-        let stop = condition(until, simulation.leaving.clone())?;
+        let stop = condition(until, simulation.plan.as_ref().map(Plan::leaving).unwrap_or_default())?;
         let simulation = &mut simulation.simulation;
         simulation.world().ok_or_else(|| refused(SimError::NotBegun))?;
         let clock = Clock::new(simulation.time(), step, until.latest());
@@ -171,6 +177,7 @@ impl Recording {
             times: Vec::new(),
             numbers: Vec::new(),
             pause: None,
+            end: RunEnd::default(),
         };
         if whole && stop.is_none() {
             recorded.reserve(clock.steps)?;
@@ -226,6 +233,18 @@ impl Recording {
     /// Why a run ends from which people were to leave who stay.
     fn why_some_stay(&self) -> Option<String> {
         self.run.leaving()?.why_some_stay(*self.recorded.times.last()?)
+    }
+
+    /// What is found at the end of a run.
+    fn findings(&self, simulation: &Simulation) -> Vec<String> {
+        let world = simulation.simulation.world();
+        let forces: Option<Vec<_>> = world.map(|world| world.drive.iter().map(|drive| drive.force).collect());
+        let whole = self.run.clock.start == 0.0;
+        let found = simulation
+            .plan
+            .iter()
+            .flat_map(|plan| self.recorded.end.findings(plan, forces.as_deref(), whole));
+        found.map(short).collect()
     }
 
     /// Makes at most so many steps, for about so long \[s\].

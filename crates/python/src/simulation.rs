@@ -5,6 +5,7 @@ use crate::model::Model;
 use crate::recording::{numbers_of_each, observe};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_core::files::words::shortened;
+use lemons_decision::Plan;
 use lemons_sim::settings::Value;
 use lemons_sim::{Algorithm, SimError, StopCondition, Until};
 use numpy::ndarray::Dimension;
@@ -20,8 +21,8 @@ use pyo3::types::{PyBool, PyBytes, PyFloat, PyInt, PyString};
 #[pyclass(module = "lemons_fmu._native")]
 pub struct Simulation {
     pub(crate) simulation: lemons_sim::Simulation,
-    /// True if each person has an exit.
-    pub(crate) leaving: Vec<bool>,
+    /// Where its people walk.
+    pub(crate) plan: Option<Plan>,
 }
 
 /// The message of an error.
@@ -101,7 +102,7 @@ impl Simulation {
     fn new(model: &Model, algorithm: &str) -> PyResult<Simulation> {
         let algorithm = algorithm_of(algorithm)?;
         let simulation = lemons_sim::Simulation::new(model.documents.clone(), algorithm);
-        Ok(Simulation { simulation: simulation.map_err(refused)?, leaving: model.documents.leaving() })
+        Ok(Simulation { simulation: simulation.map_err(refused)?, plan: model.documents.plan.clone() })
     }
 
     /// Sets a parameter or a start value before the beginning.

@@ -6,7 +6,6 @@ use crate::place::Place;
 use crate::range;
 use lemons_core::trial::Trial;
 use lemons_decision::exit_choice::ExitChoice;
-use lemons_decision::plan::FLAT_PUSH;
 use lemons_decision::rule::{WAYPOINT_RADIUS, Waypoint};
 use lemons_decision::{AgentConfig, DEFAULT_SPEED, DecisionConfig, Spread, TargetConfig, WalkingModelName};
 use lemons_people::Agent;
@@ -89,10 +88,7 @@ impl Scenario {
                     .into(),
             );
         }
-        let model = *config.model.get_or_insert(WalkingModelName::Rotational);
-        if config.push.is_some() && model == WalkingModelName::Rotational {
-            notes.push(format!("note: `push`: {FLAT_PUSH}"));
-        }
+        config.model.get_or_insert(WalkingModelName::Rotational);
         config.desired_speed =
             self.speed.map(Spread::Same).or(config.desired_speed).or(Some(Spread::Same(DEFAULT_SPEED)));
         let plan = place.drawn.as_ref().map(|Read { plan, .. }| plan);

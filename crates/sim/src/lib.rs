@@ -6,12 +6,14 @@
 //! - [`settings`]: parameters by the names of their FMUs' variables
 //! - [`Clock`]: the communication points to which a run steps
 //! - [`Stepper`]: the loop of a run, with a model and an observer
+//! - [`lint`]: what is probably not meant where people walk, in a drive, and at the end of a run
 //! - [`exposure`]: greatest squeeze and overlap, and what passes between two rows of a table
 //! - [`Replay`]: the contacts of a Trial's agents in the frames of a run
 //! - [`stop`]: when a run ends before its time
 
 mod clock;
 pub mod exposure;
+pub mod lint;
 mod replay;
 pub mod settings;
 mod simulation;

@@ -10,6 +10,7 @@ use lemons_core::trial::{Problems, Trial};
 use lemons_master::{documents_of, ensure};
 use lemons_results::Frame;
 use lemons_results::measure::Over;
+use lemons_sim::lint::{self, Files};
 use lemons_sim::{Clock, PointKind, Simulation, Stepper, StopCondition};
 use serde_json::{Map, Value};
 use std::collections::HashSet;
@@ -42,7 +43,7 @@ impl Job {
                 }
                 loaded => loaded?,
             };
-            warnings.extend(loaded.warnings.iter().map(|warning| format!("{path}: {warning}")));
+            warnings.extend(loaded.warnings);
             digests.push(identity::digest(&loaded.identity)?);
             if models.all.len() == 1 {
                 identity.extend(loaded.identity);
@@ -137,7 +138,7 @@ impl LoadedModel {
     /// Loads the model of a place, and checks that it has all variables that are set and read.
     fn open(spec: &Spec, place: usize) -> Result<LoadedModel> {
         let (path, plan) = &spec.models.all[place];
-        let (documents, problems, walks) = match &spec.population {
+        let (documents, mut problems, walks) = match &spec.population {
             Some(population) => {
                 let own = population.at(&spec.points, spec.models.first_point(place));
                 let documents = own.and_then(|own| own.documents()).place(|| "population".into())?;
@@ -145,19 +146,14 @@ impl LoadedModel {
             }
             None => documents_of(path, &spec.drive, plan)?,
         };
-        let mut warnings: Vec<String> = problems.iter().map(ToString::to_string).collect();
-        match walks {
-            None if spec.needs_plan => {
-                return Err(Error::Spec(format!("plan = true: {} has no decision.toml", path.display())));
-            }
-            Some(plan) if documents.drive.end().is_some() => {
-                warnings.push(lemons_master::notes::drive_of_walkers(&plan));
-            }
-            _ => {}
+        if walks.is_none() && spec.needs_plan {
+            return Err(Error::Spec(format!("plan = true: {} has no decision.toml", path.display())));
         }
         let step = spec.step.unwrap_or(documents.trial.parameters.time_step);
         let clock = Clock::new(0.0, step, spec.until.latest()).map_err(lemons_master::Error::from);
         let clock = clock.place(|| "until".into())?;
+        let files = Files { decision: walks.unwrap_or_default(), ..Files::within(path) };
+        problems.extend(lint::of_step(&documents, clock.step, &files));
         let end = spec.until.condition(documents.drive.end(), || documents.leaving());
         let end = end.map_err(|nobody| Error::Spec(format!("until = \"left\": {nobody}")))?;
         let identity = identity::of_documents(&documents, spec.algorithm, clock.step)?;
@@ -165,6 +161,7 @@ impl LoadedModel {
         let simulation = Simulation::new(documents, spec.algorithm)?;
         check_parameters(&spec.points, &spec.models, &simulation)?;
         Accumulators::begin(spec, &trial, &simulation, 0)?;
+        let warnings = problems.iter().map(ToString::to_string).collect();
         Ok(LoadedModel { trial, simulation, clock, end, identity, warnings })
     }
 }

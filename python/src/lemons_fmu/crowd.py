@@ -105,7 +105,7 @@ class Crowd:
         self.model = model_of(what, plan)
         #: Ids of the agents in Agents.xml.
         self.ids: tuple[str, ...] = tuple(self.model.ids)
-        #: Warnings so far.
+        #: Warnings and notes so far, as those of `lemons run`.
         self.messages: list[str] = list(self.model.warnings)
         self._own: _native.Simulation | None = _native.Simulation(self.model, algorithm)
         self._begin(parameters, start)
@@ -318,6 +318,7 @@ class Crowd:
             if report is not None:
                 steps, done = recording.steps
                 report(Progress(done, 0, done if met or recording.is_over else steps, monotonic() - begin, 0, None))
+        self.messages += recording.findings(simulation)
         why = None if met else recording.why_some_stay()
         if why is not None:
             warnings.warn(why, stacklevel=2)

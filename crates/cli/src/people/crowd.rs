@@ -9,7 +9,6 @@ use super::room::{explained, marks};
 use super::source::{CUSTOM_HELP, SourceArguments};
 use super::{line, ranged, read};
 use crate::binary::CROWD;
-use crate::check::walking::out_of_reach;
 use crate::error::{Misused, TrialHasErrors, and_then};
 use crate::files;
 use crate::interrupt::{Interrupt, Interrupted};
@@ -31,6 +30,7 @@ use lemons_people::{
     may_write, write_trial, write_trial_zip,
 };
 use lemons_scenario::{Crowd, MOST_PEOPLE, OrientationName, Ready, Scenario, ScenarioError, named};
+use lemons_sim::lint::of_plan;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -356,7 +356,8 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
             let notes = made.notes.iter().skip(made.place.notes.len());
             notes.for_each(|said| note!("{}", words.note(said)));
             if let Some((_, plan)) = &made.decision {
-                out_of_reach(plan, &made.trial.geometry).iter().for_each(|doubt| note!("warning: {doubt}"));
+                let found = of_plan(plan, &made.trial, Path::new(""));
+                found.iter().for_each(|found| note!("{found}"));
             }
             let beside = made.beside().map_err(told)?;
             let beside: Vec<(&str, &str)> = beside.iter().map(|(name, text)| (*name, &**text)).collect();

@@ -6,10 +6,10 @@ use super::model::CrowdInfo;
 use super::outputs::{Place, persist};
 use anyhow::{Result, bail};
 use lemons_core::files::Staged;
-use lemons_core::plane::Vec2;
 use lemons_core::trial::Agent;
 use lemons_master::{CrowdRecord, Saved};
 use lemons_results::{Content, Format, Frame, FrameWriter, KeptFrames, Recorder, Run};
+use lemons_sim::lint::RunEnd;
 use lemons_sim::{ExposureSum, Extremes, Greatest, PointKind};
 use std::path::{Path, PathBuf};
 
@@ -37,10 +37,8 @@ pub struct CrowdRecorder {
     peak_passed: bool,
     /// If they are kept.
     poses: Option<Poses>,
-    /// The last communication point.
-    pub last: Frame,
-    /// \[s\] and \[m\] When and where people have left since the run began or went on.
-    pub departures: Vec<(f64, Vec2)>,
+    /// Since the run began or went on.
+    pub end: RunEnd,
 }
 
 /// The result of recording.
@@ -102,8 +100,7 @@ impl CrowdRecorder {
             extremes,
             exposure,
             peak_passed: false,
-            last: Frame::default(),
-            departures: Vec::new(),
+            end: RunEnd::default(),
         })
     }
 
@@ -112,21 +109,17 @@ impl CrowdRecorder {
         if let Some(poses) = &mut self.poses {
             poses.add(&frame);
         }
+        let since = self.end.last.time;
+        self.end.see(&frame);
         if kind == PointKind::Resumed {
-            self.last = frame;
             return Ok(());
         }
-        let length = if kind == PointKind::Start { 0.0 } else { frame.time - self.last.time };
+        let length = if kind == PointKind::Start { 0.0 } else { frame.time - since };
         let before = self.extremes.peak_squeeze.force;
         self.extremes.see(&frame, kind == PointKind::Start);
         self.peak_passed =
             kind == PointKind::Passed && (self.peak_passed || self.extremes.peak_squeeze.force > before);
         self.exposure.add(length, &frame);
-        if kind != PointKind::Start && self.crowd.groups.active {
-            let gone = (0..frame.agents.len()).filter(|k| self.last.is_there(*k) && !frame.is_there(*k));
-            self.departures.extend(gone.map(|k| (frame.time, frame.agents[k].pose.position)));
-        }
-        self.last = frame.clone();
         if kind == PointKind::Passed {
             return Ok(());
         }
@@ -158,8 +151,9 @@ impl CrowdRecorder {
         };
         let mut lines = Vec::new();
         if groups.active {
-            let left = (0..ids.len()).filter(|agent| !self.last.is_there(*agent)).count();
+            let left = (0..ids.len()).filter(|agent| !self.end.last.is_there(*agent)).count();
             let last = self
+                .end
                 .departures
                 .last()
                 .map_or(String::new(), |(time, _)| format!("; the last at {time:.3} s"));

@@ -127,14 +127,8 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
         simulation.restore(&states[0]).with_context(of_saved)?;
     }
     warnings.iter().for_each(|warning| note!("{warning}"));
-    match plan {
-        Some(plan) if drive.end().is_some() => {
-            note!("note: {} (--no-drive: only these)", notes::drive_of_walkers(&plan));
-        }
-        None if before.is_none() && drive.end().is_none() && is_still(&simulation) => {
-            note!("{}", notes::still());
-        }
-        _ => {}
+    if plan.is_none() && before.is_none() && drive.end().is_none() && is_still(&simulation) {
+        note!("{}", notes::still());
     }
     let output_columns = columns_of(&simulation);
     let names: Vec<String> = output_columns.iter().map(|column| column.name.clone()).collect();

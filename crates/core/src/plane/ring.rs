@@ -128,6 +128,11 @@ pub fn nearest_on_line(corners: &[Vec2], p: Vec2) -> Foot {
     })
 }
 
+/// Returns whether a line ends where it begins, and has an inside.
+pub fn is_closed(line: &[Vec2]) -> bool {
+    line.len() > 3 && line.first() == line.last()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -282,21 +282,6 @@ fn said(error: csv::Error) -> String {
     }
 }
 
-/// Rows of a drive that are never applied in a run with a given communication step, in words: their number, and the agent
-/// and time of the largest such push.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Missed {
-    words: String,
-    /// \[s\] The shortest time between two rows of an agent: as a communication step, it misses none.
-    pub shortest: f64,
-}
-
-impl std::fmt::Display for Missed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.words)
-    }
-}
-
 impl DriveTable {
     /// Counts the rows after `start` that are not at a communication point, both \[s\], and all rows.
     pub fn between(&self, start: f64, step: f64) -> (usize, usize) {
@@ -308,10 +293,10 @@ impl DriveTable {
         (rows.clone().filter(|(time, _)| is_between(*time)).count(), rows.count())
     }
 
-    /// Returns what a run from `start` with a communication step, both \[s\], does not apply: the drive is what it is at the
+    /// Says what a run from `start` with a communication step, both \[s\], does not apply: the drive is what it is at the
     /// communication points. `None` unless the push of a row between two of them lies beyond both of theirs by more than
     /// half of the agent's largest one. Rows before the start are not looked at.
-    pub fn missed(&self, start: f64, step: f64) -> Option<Missed> {
+    pub fn missed(&self, start: f64, step: f64) -> Option<String> {
         const COLUMNS: [&str; 3] = ["Fp.x", "Fp.y", "Mp"];
         let (mut rows, mut of, mut shortest) = (0, 0, f64::INFINITY);
         let mut worst: Option<(f64, String)> = None;
@@ -361,9 +346,10 @@ impl DriveTable {
              {said}"
         );
         if shortest.is_finite() {
-            words += &format!("; a communication step of {shortest:.3e} s applies all rows");
+            words +=
+                &format!("; a communication step of {shortest:.3e} s applies all rows (TimeStep, --step)");
         }
-        Some(Missed { words, shortest })
+        Some(words)
     }
 }
 
@@ -394,14 +380,14 @@ mod tests {
         let missed = drive.missed(0.0, 50.0).unwrap();
         let said = "4 of 5 rows come between communication points, which are 50.0 s apart, so they are not applied: at t = 0.4 s \
                     agent \"a\" has Fp.x = -1200.0, but the applied value is 0.0 from t = 0.0 s and 0.0 from t = 50.0 s; \
-                    a communication step of 1.000e-1 s applies all rows";
-        assert_eq!(missed.to_string(), said);
+                    a communication step of 1.000e-1 s applies all rows (TimeStep, --step)";
+        assert_eq!(missed, said);
         assert_eq!(drive.missed(0.0, 0.1), None);
         assert_eq!((drive.between(0.0, 0.1), drive.between(0.0, 0.2)), ((0, 5), (1, 5)));
         // A sample somewhere on its way is not the push, but it is applied.
         let missed = drive.missed(0.0, 0.7).unwrap();
-        assert!(missed.to_string().starts_with("4 of 5 rows come between"), "{missed}");
-        assert!(missed.to_string().contains("at t = 0.4 s agent \"a\""), "{missed}");
+        assert!(missed.starts_with("4 of 5 rows come between"), "{missed}");
+        assert!(missed.contains("at t = 0.4 s agent \"a\""), "{missed}");
         assert_eq!(DriveTable::default().missed(0.0, 50.0), None);
         // Rows nearer to each other than the points are no fault of a slow drive.
         let slow: String = (0..1000).map(|k| format!("{:?},a,{k},0,0\n", 1e-3 * f64::from(k))).collect();

@@ -1,6 +1,7 @@
-//! Errors and warnings about a Trial.
+//! Errors, warnings and notes about a Trial.
 
-use crate::xml::{Problem, Severity};
+use crate::rule::Severity;
+use crate::xml::Problem;
 use std::fmt;
 use std::path::Path;
 
@@ -45,12 +46,12 @@ impl Problems {
 
     /// Returns the errors only.
     pub fn errors(&self) -> impl Iterator<Item = &Problem> {
-        self.iter().filter(|problem| problem.severity == Severity::Error)
+        self.iter().filter(|problem| problem.severity() == Severity::Error)
     }
 
     /// Returns the warnings only.
     pub fn warnings(&self) -> impl Iterator<Item = &Problem> {
-        self.iter().filter(|problem| problem.severity == Severity::Warning)
+        self.iter().filter(|problem| problem.severity() == Severity::Warning)
     }
 
     /// Returns whether there is any error.
@@ -67,6 +68,12 @@ impl Problems {
 impl From<Problem> for Problems {
     fn from(problem: Problem) -> Problems {
         Problems { all: vec![problem], more: 0 }
+    }
+}
+
+impl Extend<Problem> for Problems {
+    fn extend<T: IntoIterator<Item = Problem>>(&mut self, problems: T) {
+        self.all.extend(problems);
     }
 }
 
@@ -88,13 +95,13 @@ impl std::error::Error for Problems {}
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rule::Rule;
 
     #[test]
     fn each_problem_has_a_line() {
         let mut problems = Problems::default();
         problems.push(Problem::of_file(Path::new("a.xml"), Some(12), "must be positive"));
-        let warning = Problem::of_file(Path::new("b.xml"), None, "is odd");
-        problems.push(Problem { severity: Severity::Warning, ..warning });
+        problems.push(Problem::by(Rule::NotRead, Path::new("b.xml"), "is odd"));
         assert_eq!(problems.to_string(), "a.xml:12: must be positive\nwarning: b.xml: is odd");
         assert_eq!((problems.errors().count(), problems.warnings().count()), (1, 1));
     }

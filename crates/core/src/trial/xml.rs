@@ -6,11 +6,12 @@
 use crate::files::source::Source;
 use crate::files::{input, words};
 use crate::plane::{Vec2, vec2};
+use crate::rule::Rule;
 use crate::trial::documents::Checked;
 use crate::trial::opening::OpeningTimes;
 use crate::trial::problem::Problems;
 use crate::trial::schema::{Schema, Value};
-use crate::xml::{Document, Layout, Out, Problem, Severity, decimal, quoted};
+use crate::xml::{Document, Layout, Out, Problem, decimal, quoted};
 use std::cell::RefCell;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
@@ -151,8 +152,7 @@ impl<'a> Element<'a> {
         });
         if all > REPORTED {
             let message = format!("more than {REPORTED} names of attributes and elements are not read");
-            let warning = Problem::of_file(self.node.file(), None, message);
-            self.report(Problem { severity: Severity::Warning, ..warning });
+            self.report(Problem::by(Rule::NotRead, self.node.file(), message));
         }
     }
 
@@ -177,9 +177,9 @@ impl<'a> Element<'a> {
         let Schema { name: own, attributes, children } = self.schema;
         let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
         let warning = |offset, message| Problem {
-            severity: Severity::Warning,
+            line: Some(self.node.document().line(offset)),
             element: Some((*own).to_owned()),
-            ..Problem::of_file(self.node.file(), Some(self.node.document().line(offset)), message)
+            ..Problem::by(Rule::NotRead, self.node.file(), message)
         };
         match unread {
             Unread::Attribute(attribute) => {

@@ -1,22 +1,14 @@
 //! What is wrong with a document, and where.
 
+use crate::rule::{Rule, Severity};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Severity: whether the document can be used in spite of the problem.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Severity {
-    /// The document cannot be used.
-    Error,
-    /// The document can be used, but perhaps not as intended.
-    Warning,
-}
-
-/// One error or warning about a file.
+/// One error, warning or note about a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
-    /// Error or warning.
-    pub severity: Severity,
+    /// What has found it.
+    pub rule: Rule,
     /// The file's path, beginning as the user gave it; empty if the text comes from no file.
     pub file: PathBuf,
     /// Line number, from 1.
@@ -37,10 +29,15 @@ pub type Result<T> = std::result::Result<T, Box<Problem>>;
 impl Problem {
     /// An error about a whole file, or about a line of it.
     pub fn of_file(file: &Path, line: Option<u32>, message: impl Into<String>) -> Problem {
+        Problem { line, ..Problem::by(Rule::Invalid, file, message) }
+    }
+
+    /// What a rule finds in a whole file.
+    pub fn by(rule: Rule, file: &Path, message: impl Into<String>) -> Problem {
         Problem {
-            severity: Severity::Error,
+            rule,
             file: file.to_owned(),
-            line,
+            line: None,
             element: None,
             attribute: None,
             value: None,
@@ -48,22 +45,20 @@ impl Problem {
         }
     }
 
-    /// Returns the line without the word "warning", for places that say it themselves.
-    pub fn without_severity(&self) -> String {
-        let text = self.to_string();
-        text.strip_prefix(WARNING).map_or_else(|| text.clone(), str::to_owned)
+    /// Returns whether the document can be used in spite of it.
+    pub fn severity(&self) -> Severity {
+        self.rule.row().severity
     }
 }
 
 impl std::error::Error for Problem {}
 
-const WARNING: &str = "warning: ";
-
-/// One line: `static/Agents.xml:12: <Shape> Radius="-0.1": must be positive`
+/// One line: `static/Agents.xml:12: <Shape> Radius="-0.1": must be positive`; `#` leaves out the word "warning" or "note".
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.severity == Severity::Warning {
-            f.write_str(WARNING)?;
+        let severity = self.severity();
+        if severity != Severity::Error && !f.alternate() {
+            write!(f, "{severity}: ")?;
         }
         let file = self.file.display();
         match (self.file.as_os_str().is_empty(), self.line) {
@@ -112,7 +107,8 @@ mod tests {
         assert_eq!(nameless.to_string(), "line 12: <Shape> Radius: must be positive");
         let hostile = Problem { value: Some("é\n".repeat(100_000)), ..good.clone() }.to_string();
         assert!(hostile.len() < 400 && !hostile.contains('\n'), "{hostile}");
-        let warning = Problem { severity: Severity::Warning, attribute: None, line: None, ..good };
+        let warning = Problem { rule: Rule::NotRead, attribute: None, line: None, ..good };
         assert_eq!(warning.to_string(), "warning: static/Agents.xml: <Shape>: must be positive");
+        assert_eq!(format!("{warning:#}"), "static/Agents.xml: <Shape>: must be positive");
     }
 }

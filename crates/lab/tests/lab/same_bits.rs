@@ -2,7 +2,7 @@
 
 use crate::{advance, ask, ok, opened};
 use crowd_mechanics::pack::Format;
-use lemons_core::trial::DriveChoice;
+use lemons_core::trial::{DriveChoice, Problems, Rule};
 use lemons_decision::{DecisionConfig, pack};
 use lemons_lab::Lab;
 use lemons_lab::frame::{COLUMNS, frame};
@@ -106,7 +106,12 @@ fn of_lab(scene: &Scene, clock: &Clock) -> Bits {
         others.iter().filter(|(_, text)| !text.is_empty()).map(|(name, text)| (*name, &**text)).collect();
     let zip = zip_trial(&scene.documents.trial, &others, Cursor::new(Vec::new())).unwrap().into_inner();
     let mut lab = Lab::default();
-    let (_, first) = ask(&mut lab, &opened("scene.zip", &zip), &zip);
+    let (value, first) = ask(&mut lab, &opened("scene.zip", &zip), &zip);
+    // What is found is said as by the command, whose files are elsewhere.
+    let notes: Vec<String> = serde_json::from_value(value["ok"]["notes"].clone()).unwrap();
+    let found: Vec<&str> = scene.problems.iter().map(|problem| &*problem.message).collect();
+    assert!(notes.len() == found.len(), "{notes:?} {found:?}");
+    assert!(notes.iter().zip(found).all(|(note, found)| note.ends_with(found)), "{notes:?}");
     let (_, frames) = ok(&mut lab, advance(1, clock.steps));
     let people = scene.documents.trial.agents.len();
     let of = |bytes: &[u8]| bits(&frame(bytes, people).unwrap());
@@ -116,12 +121,13 @@ fn of_lab(scene: &Scene, clock: &Clock) -> Bits {
 struct Scene {
     directory: PathBuf,
     documents: Documents,
+    problems: Problems,
 }
 
 impl Scene {
     fn of(directory: PathBuf) -> Scene {
-        let read = documents_of(&directory, &DriveChoice::Own, &PlanChoice::Own).unwrap();
-        Scene { directory, documents: read.0 }
+        let (documents, problems, _) = documents_of(&directory, &DriveChoice::Own, &PlanChoice::Own).unwrap();
+        Scene { directory, documents, problems }
     }
 
     fn check(&self, until: f64) {
@@ -163,6 +169,7 @@ fn people_who_leave_have_the_same_bits_everywhere() {
     DecisionConfig::from_toml(&wishes).unwrap();
     std::fs::write(place.join("decision.toml"), wishes).unwrap();
     let scene = Scene::of(place);
+    assert!(scene.problems.iter().any(|problem| problem.rule == Rule::SpeedLeaves));
     scene.check(6.0);
     let clock = Clock::new(0.0, scene.documents.trial.parameters.time_step, 6.0).unwrap();
     let last = of_simulation(&scene.documents, Algorithm::Jacobi, &clock).pop().unwrap();

@@ -1,14 +1,11 @@
-//! Models of walking that are used where they are known to fail.
+//! Models of walking that are used where they are known to fail; exits and ways that nobody reaches.
 
-use super::{NOTE, WARNING};
-use lemons_core::plane::{Bounds, InPlane, Ring, Vec2, nearest_on_line, segments_cross, vec2};
-use lemons_core::trial::Geometry;
+use lemons_core::plane::{Bounds, InPlane, Ring, Vec2, is_closed, nearest_on_line, segments_cross, vec2};
+use lemons_core::trial::{Geometry, Rule};
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
-use lemons_decision::rule::UNLIMITED;
 use lemons_decision::target::{Target, Ways};
 use lemons_decision::walking_model::WalkingModel;
-use lemons_people::is_closed;
 use std::collections::BTreeSet;
 
 /// \[m\] People whose ways are further apart than this do not meet.
@@ -20,53 +17,21 @@ const MANY: f64 = 0.1;
 /// Of more people, only so many are looked at.
 const MOST: usize = 2000;
 
-/// Doubts a model where people leave, and where they walk against each other: a warning where results are wrong by a
+/// Finds a model where people leave, and where they walk against each other: a warning where results are wrong by a
 /// factor, a note where they may be meant so.
-pub fn doubts(plan: &Plan) -> Vec<(&'static str, String)> {
+pub(super) fn unfit(plan: &Plan) -> Vec<(Rule, String)> {
     let (leaving, opposite) = match plan.walking_model {
-        WalkingModel::CollisionFreeSpeed(_) => (
-            (
-                NOTE,
-                "in the model \"collision-free-speed\" flows through doors are about half of what people reach in \
-                 experiments",
-            ),
-            (WARNING, "in the model \"collision-free-speed\" they nearly stand still"),
-        ),
-        WalkingModel::SocialForce(_) => (
-            (
-                WARNING,
-                "in the model \"social-force\" flows through doors are two to four times what people reach in \
-                 experiments",
-            ),
-            (WARNING, "for this, the model \"social-force\" has not been compared with experiments"),
-        ),
-        WalkingModel::Straight(_) => (
-            (
-                WARNING,
-                "in the model \"straight\" people do not see each other: in front of an exit they push without end",
-            ),
-            // A push may be meant.
-            (NOTE, "in the model \"straight\" they do not see each other, and push"),
-        ),
+        WalkingModel::CollisionFreeSpeed(_) => (Rule::SpeedLeaves, Rule::SpeedMeets),
+        WalkingModel::SocialForce(_) => (Rule::ForceLeaves, Rule::ForceMeets),
+        WalkingModel::Straight(_) => (Rule::StraightLeaves, Rule::StraightMeets),
         WalkingModel::Rotational(_) => return Vec::new(),
     };
-    let leave = plan.leaving().contains(&true).then(|| (leaving.0, leaving.1.to_owned()));
+    let leave = plan.leaving().contains(&true).then(|| (leaving, String::new()));
     let meet = meeting(plan).map(|[one, other]| {
-        let who = format!("people walk against each other, as agents {one:?} and {other:?}");
-        (opposite.0, format!("{who}: {}", opposite.1))
+        (opposite, format!("people walk against each other, as agents {one:?} and {other:?}: "))
     });
-    let doubts = leave.into_iter().chain(meet);
-    let advised = |(kind, text)| {
-        (kind, format!("{text} (model = \"rotational\" is for doors, corridors and counterflow)"))
-    };
-    doubts.map(advised).collect()
-}
-
-/// Returns what a limit of pushes does in this plan, if somebody has one.
-pub fn flat_push(plan: &Plan) -> Option<&'static str> {
-    let changed = || plan.motivation.iter().any(|change| change.push.is_some());
-    let limited = || plan.agents.iter().any(|agent| agent.walker.push < UNLIMITED);
-    plan.flat_push().filter(|_| limited() || changed())
+    let said = |(rule, who): (Rule, String)| (rule, format!("{who}{}", rule.text()));
+    leave.into_iter().chain(meet).map(said).collect()
 }
 
 /// \[m\] Walls keep the centre of everybody who walks so far away.
@@ -76,11 +41,13 @@ const MOST_PAIRS: usize = 50_000_000;
 /// Points across an area that is an exit.
 const ACROSS: usize = 24;
 
-/// Doubts exits and ways that bodies do not reach, because of walls that never open.
-pub fn out_of_reach(plan: &Plan, geometry: &Geometry) -> Vec<String> {
+/// Finds exits and ways of a decision.toml that bodies do not reach, because of walls that never open.
+pub(super) fn out_of_reach(plan: &Plan, geometry: &Geometry) -> Vec<(Rule, String)> {
     let walls: Vec<Vec<Vec2>> = geometry.fixed_walls().map(|wall| wall.corners.clone()).collect();
-    let doubts = exits_at_walls(plan, &walls).into_iter();
-    doubts.chain(ways_through_walls(plan, &walls)).chain(waypoints_at_walls(plan, &walls)).collect()
+    let exits = exits_at_walls(plan, &walls).into_iter().map(|text| (Rule::ExitHidden, text));
+    let ways = ways_through_walls(plan, &walls).map(|text| (Rule::WayBlocked, text));
+    let points = waypoints_at_walls(plan, &walls).map(|text| (Rule::PointHidden, text));
+    exits.chain(ways).chain(points).collect()
 }
 
 fn crosses(walls: &[Vec<Vec2>], from: Vec2, to: Vec2) -> bool {
@@ -92,7 +59,7 @@ fn far(walls: &[Vec<Vec2>], p: Vec2) -> f64 {
     walls.iter().map(|wall| nearest_on_line(wall, p).distance).fold(f64::INFINITY, f64::min)
 }
 
-/// Doubts exits that lie so near to a wall, all along, that bodies do not reach them, and areas beyond walls.
+/// Finds exits that lie so near to a wall, all along, that bodies do not reach them, and areas beyond walls.
 fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
     let deep = plan.agents.iter().map(|agent| 0.5 * agent.depth()).fold(AT_A_WALL, f64::max);
     let is_line_hidden = |a: Vec2, b: Vec2| {
@@ -148,7 +115,7 @@ fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
     exits.filter_map(doubt).collect()
 }
 
-/// Doubts ways to way-points that cross walls: they are straight.
+/// Finds ways to way-points that cross walls: they are straight.
 fn ways_through_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Option<String> {
     let leg = |agent: &Planned| {
         let mut from = agent.pose.position;
@@ -181,7 +148,7 @@ fn ways_through_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Option<String> {
     ))
 }
 
-/// Doubts way-points that are nearer to a wall than anybody gets.
+/// Finds way-points that are nearer to a wall than anybody gets.
 fn waypoints_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Option<String> {
     let mut looked_at: Vec<[f64; 3]> = Vec::new();
     let all = plan.agents.iter().flat_map(|agent| &agent.walker.waypoints);
@@ -290,7 +257,8 @@ mod tests {
             let config = DecisionConfig::from_toml(&config).unwrap();
             let trial = Trial::of(people.iter().map(person), geometry.walls.clone(), 0.05);
             let said = out_of_reach(&Plan::of(&trial, &config).unwrap(), &geometry);
-            let of = |k: &usize| said.iter().any(|doubt| doubt.starts_with(&format!("exit \"exit {k}\" at")));
+            let of =
+                |k: &usize| said.iter().any(|(_, text)| text.starts_with(&format!("exit \"exit {k}\" at")));
             (0..exits.len()).filter(of).collect()
         };
         let [first, second, strip] = [[4.0, 4.0, 5.0, 5.0], [14.0, 4.0, 15.0, 5.0], [14.85, 1.0, 15.0, 4.0]];

@@ -1,0 +1,101 @@
+//! What is found at the end of a run.
+
+use lemons_core::plane::Vec2;
+use lemons_core::trial::{Problem, Rule};
+use lemons_decision::Plan;
+use lemons_decision::target::nearest_exit;
+use lemons_results::Frame;
+use std::path::Path;
+
+/// Part of the desired speed: who is slower and touched gets no further.
+const STUCK: f64 = 0.1;
+/// Ratio and difference \[s\] of the times of the last departures by two exits: from these on, they are uneven.
+const UNEVEN: (f64, f64) = (1.5, 10.0);
+
+/// How a run ends: it sees the frames of all communication points.
+#[derive(Debug, Default)]
+pub struct RunEnd {
+    /// The last frame.
+    pub last: Frame,
+    /// \[s\] and \[m\] When and where people have left since the first frame.
+    pub departures: Vec<(f64, Vec2)>,
+}
+
+impl RunEnd {
+    /// Sees the next frame.
+    pub fn see(&mut self, frame: &Frame) {
+        let before = std::mem::replace(&mut self.last, frame.clone());
+        let gone = (0..before.agents.len()).filter(|k| before.is_there(*k) && !frame.is_there(*k));
+        self.departures.extend(gone.map(|k| (frame.time, frame.agents[k].pose.position)));
+    }
+
+    /// Returns what is found of people who walk by a plan. `forces` \[N\] drive them at the end; `whole`: the first frame was
+    /// that of the beginning.
+    pub fn findings(&self, plan: &Plan, forces: Option<&[Vec2]>, whole: bool) -> Vec<Problem> {
+        let stuck = forces.and_then(|forces| self.stuck(plan, forces)).map(|text| (Rule::Stuck, text));
+        let uneven = self.uneven(plan).filter(|_| whole).map(|text| (Rule::Uneven, text));
+        let all = stuck.into_iter().chain(uneven);
+        all.map(|(rule, text)| {
+            let message = format!("{text} ({})", rule.row().advice);
+            Problem::by(rule, Path::new(""), message)
+        })
+        .collect()
+    }
+
+    /// Finds that the last person left by one exit much later than by another, or nobody by that.
+    fn uneven(&self, plan: &Plan) -> Option<String> {
+        // Those that are closed at times are used unevenly.
+        if plan.targets.iter().any(|exit| exit.open.is_some()) {
+            return None;
+        }
+        // \[s\] With the names; 0 where nobody has left.
+        let exits = plan.targets.iter().enumerate().filter(|(_, target)| !target.stay);
+        let mut last: Vec<(usize, &str, f64)> = exits.map(|(k, exit)| (k, &exit.name[..], 0.0)).collect();
+        for (time, at) in &self.departures {
+            let exit = nearest_exit(&plan.targets, *at)?;
+            let entry = last.iter_mut().find(|entry| entry.0 == exit)?;
+            entry.2 = time.max(entry.2);
+        }
+        let order = |a: &&(usize, &str, f64), b: &&(usize, &str, f64)| a.2.total_cmp(&b.2);
+        let (least, most) = (last.iter().min_by(order)?, last.iter().max_by(order)?);
+        if most.2 <= UNEVEN.0 * least.2 || most.2 <= least.2 + UNEVEN.1 {
+            return None;
+        }
+        let before = match least {
+            (_, name, 0.0) => format!("nobody by {name:?}"),
+            (_, name, time) => format!("by {name:?} at {time:.1} s"),
+        };
+        Some(format!(
+            "exits are used unevenly: the last person left by {:?} at {:.1} s, {before}",
+            most.1, most.2
+        ))
+    }
+
+    /// Finds that in the model `straight` more than half of the people who are there are pushed, want to walk and get no
+    /// further.
+    fn stuck(&self, plan: &Plan, forces: &[Vec2]) -> Option<String> {
+        // With legs, who is pushed and stands does not press on.
+        if plan.walking_model.sees_others() || plan.balance.is_some() {
+            return None;
+        }
+        let frame = &self.last;
+        let observed = frame.observed.as_ref()?;
+        let people = plan.agents.iter().zip(forces).zip(observed).zip(&frame.agents);
+        let squeezes = people.filter_map(|(((agent, force), observed), motion)| {
+            let squeeze = observed.of_step?.mean_normal_force;
+            let slow = motion.twist.velocity.norm() < STUCK * agent.walker.desired_speed;
+            (slow && *force != Vec2::zeros() && squeeze > 0.0).then_some(squeeze)
+        });
+        let mut squeezes: Vec<f64> = squeezes.collect();
+        squeezes.sort_by(f64::total_cmp);
+        let (stuck, there) = (squeezes.len(), frame.present().count());
+        (2 * stuck > there && stuck > 1).then(|| {
+            format!(
+                "at t = {:.3} s {stuck} of the {there} people who are there press on and get no further (median squeeze \
+                 {:.0} N): in the model \"straight\" people walk on, whoever is in the way",
+                frame.time,
+                squeezes[stuck / 2]
+            )
+        })
+    }
+}

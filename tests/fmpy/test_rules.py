@@ -1,0 +1,88 @@
+"""What is probably not meant is said alike by `lemons check`, `lemons run` and the package; docs/reference/rules.md has the rules."""
+
+import json
+import re
+import subprocess
+from urllib.parse import unquote
+
+import pytest
+from crowd import REPOSITORY, TRIAL_PUSH
+from lemons_fmu import Crowd
+
+#: Rules of `lemons check` alone.
+OF_CHECK = {"step-accuracy", "drive-rows-between"}
+#: Crowds by the command, files that are written into the Trial, and what must be found there.
+STREET = ["-n", "12", "--box", "6x2"]
+BOTH_WAYS = "exits = [{ line = [[5.5, 0.5], [5.5, 1.5]], share = 1 }, { line = [[0.5, 0.5], [0.5, 1.5]], share = 1 }]"
+WIDE = "waypoints = [{ x = 50, y = 1 }]"
+SCENES = {
+    "straight": (STREET, f"model = 'straight'\nseed = 3\n{BOTH_WAYS}\n[agents.3]\ndesired_speed = 5.0", {"straight-model-presses", "straight-model-counterflow", "too-fast"}),
+    "speed": (STREET, f"model = 'collision-free-speed'\nseed = 3\n{BOTH_WAYS}", {"collision-free-speed-flow", "collision-free-speed-counterflow"}),
+    "force": (STREET, f"model = 'social-force'\nseed = 3\n{BOTH_WAYS}", {"social-force-flow", "social-force-counterflow"}),
+    "rotational": (STREET, f"model = 'rotational'\npush = 300\nseed = 3\n{BOTH_WAYS}", {"flat-push"}),
+    "way": (STREET, f"{WIDE}", {"way-through-wall"}),
+    "point": (STREET, "waypoints = [{ x = 3, y = 0.0, radius = 0.01 }]", {"way-point-out-of-reach"}),
+    "exit": (STREET, "exits = [{ line = [[1, 1.9], [5, 1.9]] }]", {"exit-out-of-reach"}),
+}
+
+
+def found(lemons, trial):
+    """Returns the ids of what `check` finds, and the lines that everybody says."""
+    done = subprocess.run([lemons, "check", "--json", trial], capture_output=True, text=True, check=True)
+    results = json.loads(done.stdout)["runs"][0]["results"]
+    file = lambda result: unquote(result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]).removeprefix("file://")
+    lines = [f"{result['level']}: {file(result)}: {result['message']['text']}" for result in results if result["ruleId"] not in OF_CHECK]
+    return {result["ruleId"] for result in results}, lines
+
+
+def said_by_run(lemons, trial, until, at):
+    done = subprocess.run([lemons, "run", trial, "--until", until, "-o", at / "run.csv", "--force"], capture_output=True, text=True, check=True)
+    return [line for line in done.stderr.splitlines() if re.match("(warning|note): ", line)]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_where_people_walk_is_examined_alike(lemons, tmp_path, name):
+    crowd, decision, wanted = SCENES[name]
+    trial = tmp_path / "a crowd"
+    subprocess.run([lemons, "crowd", *crowd, "-o", trial], capture_output=True, check=True)
+    (trial / "decision.toml").write_text(decision)
+    ids, lines = found(lemons, trial)
+    assert wanted <= ids, ids
+    assert said_by_run(lemons, trial, "0.01", tmp_path) == lines
+    with Crowd(trial) as made:
+        assert made.messages == lines
+
+
+def test_drives_and_legs_are_examined_alike(lemons, tmp_path):
+    trial = tmp_path / "legs"
+    subprocess.run(["cp", "-r", TRIAL_PUSH, trial], check=True)
+    parameters = trial / "Parameters.xml"
+    parameters.write_text(parameters.read_text().replace('TimeStep="0.05"', 'TimeStep="1.0"').replace('TimeStepMechanical="2e-6"', 'TimeStepMechanical="1e-4"'))
+    (trial / "decision.toml").write_text("balance = 'two-level'")
+    ids, lines = found(lemons, trial)
+    assert ids >= {"drive-added", "legs-late", "drive-rows-missed"}, ids
+    with Crowd(trial) as crowd:
+        assert crowd.messages == lines
+    # Here the drive may be another file.
+    run = [line.replace("warning: drive: ", f"warning: {trial}/drive.csv: ").replace("warning: communication", f"warning: {trial}/decision.toml: communication") for line in said_by_run(lemons, trial, "1", tmp_path)]
+    assert sorted(run) == sorted(lines)
+
+
+def test_the_end_of_a_run_is_told_alike(lemons, tmp_path):
+    trial = tmp_path / "wall"
+    subprocess.run([lemons, "crowd", "--box", "2x2", "--number", "12", "-o", trial], capture_output=True, check=True)
+    (trial / "decision.toml").write_text(f"model = 'straight'\n{WIDE}")
+    last = said_by_run(lemons, trial, "6", tmp_path)[-1]
+    assert "press on and get no further" in last
+    with Crowd(trial) as crowd:
+        crowd.run(until=3.0)
+        crowd.run(until=6.0)
+        assert crowd.messages[-1] == last
+
+
+def test_every_rule_is_on_the_page_with_its_level(lemons):
+    done = subprocess.run([lemons, "check", "--json", TRIAL_PUSH], capture_output=True, text=True, check=True)
+    rules = json.loads(done.stdout)["runs"][0]["tool"]["driver"]["rules"]
+    page = (REPOSITORY / "docs/reference/rules.md").read_text()
+    rows = re.findall(r"^\| `([a-z-]+)` \| (\w+) \| .* \| (.*) \| (.*) \|$", page, re.MULTILINE)
+    assert rows == [(rule["id"], rule["defaultConfiguration"]["level"], rule["shortDescription"]["text"], rule["help"]["text"]) for rule in rules]
