@@ -4,7 +4,7 @@ use super::Setup;
 use super::advice::of_attribute;
 use crate::engine::{Vec2, vec2};
 use lemons_core::trial::{
-    Agent, AgentDynamics, Contact, DriveTable, FileNames, Material, Problem, Push, Rule, quoted,
+    Agent, AgentDynamics, Contact, DriveTable, EVER, FileNames, Material, Problem, Push, Rule, quoted,
 };
 
 /// The rows of `usual.txt`: for each attribute its usual values, and why others are not.
@@ -188,9 +188,7 @@ pub fn doubts_of_drive(drive: &DriveTable) -> Vec<String> {
             Value { shown: format!("{to:?}"), ..value(to - from, within) }
         })
     });
-    // Ours end with zeros, so that nothing else drives people then.
-    let is_push = |rows: &&[(f64, Push)]| rows.iter().any(|(_, push)| *push != [0.0; 3]);
-    let ends = agents.iter().filter_map(|(_, rows)| Some(rows.windows(2).rfind(is_push)?[1].0));
+    let ends = agents.iter().filter_map(|(_, rows)| Some(rows.iter().rfind(|(time, _)| *time != EVER)?.0));
     let end = ends.max_by(f64::total_cmp);
     let quickest = changes.min_by(|a, b| a.value.total_cmp(&b.value));
     let doubts = table().filter_map(|usual| {
@@ -227,6 +225,8 @@ mod tests {
         assert_eq!(said("0,a,0,0,0\n0.3,a,600,-100,9\n0.6,a,0,0,0\n1,b,50,0,0\n600,b,50,0,0\n"), [""; 0]);
         // As our pulses end.
         assert_eq!(said("0,a,0,0,0\n0.3,a,600,0,0\n0.6,a,0,0,0\n1e6,a,0,0,0\n"), [""; 0]);
+        // The same beside what drives them always.
+        assert_eq!(said("0,a,5,0,0\n0.3,a,600,0,0\n0.6,a,5,0,0\n1e6,a,5,0,0\n"), [""; 0]);
         for (rows, words) in [
             (
                 "0,a,0,0,0\n0.3,a,0,-1e6,0\n0.6,a,0,0,0\n",

@@ -68,6 +68,19 @@ def test_drives_and_legs_are_examined_alike(lemons, tmp_path):
     assert sorted(run) == sorted(lines)
 
 
+def test_what_is_wrong_is_told_with_its_value_and_its_file(lemons, tmp_path):
+    trial = tmp_path / "push"
+    subprocess.run(["cp", "-r", TRIAL_PUSH, trial], check=True)
+    agents = trial / "static/Agents.xml"
+    agents.write_text(re.sub('Mass="[^"]*"', 'Mass="80000"', agents.read_text(), count=1))
+    other = tmp_path / "other.csv"
+    other.write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,1e6,0,0\n0.5,0,0,0,0\n")
+    _, lines = found(lemons, trial)
+    assert any('Mass="80000"' in line for line in lines), lines
+    told = subprocess.run([lemons, "run", trial, "--drive", other, "--until", "0.05", "-o", tmp_path / "run.csv"], capture_output=True, text=True, check=True)
+    assert f"warning: {other}: Fp=" in told.stderr and "Mass=\"80000\"" in told.stderr
+
+
 def test_the_end_of_a_run_is_told_alike(lemons, tmp_path):
     trial = tmp_path / "wall"
     subprocess.run([lemons, "crowd", "--box", "2x2", "--number", "12", "-o", trial], capture_output=True, check=True)

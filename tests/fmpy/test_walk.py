@@ -119,6 +119,9 @@ def test_a_run_ends_when_it_is_told_to(leaving):
         at_once = crowd.run(until="left", step=EXACT / 2)
         assert at_once.ended == whole.ended == at_once.times[-1] and len(at_once.times) > 1024
         assert at_once.numbers.tobytes() == np.concatenate([run.numbers, whole.numbers[1:]]).tobytes()
+        # All have left: no step more.
+        again = crowd.run(until="left", step=EXACT / 2)
+        assert len(again.times) == 1 and again.ended == at_once.ended
         crowd.reset()
         assert crowd.run(until=0.5, stop=lambda crowd: False).ended is None
         crowd.reset()

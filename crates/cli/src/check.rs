@@ -4,7 +4,7 @@ use crate::error::{TrialHasErrors, full_message};
 use crate::version::BUILD;
 use anyhow::Result;
 use lemons_core::files::words::shortened;
-use lemons_core::rule::Row;
+use lemons_core::rule::RuleRow;
 use lemons_core::trial::{DriveTable, Parameters, Problem, Problems, Rule};
 use lemons_master::{TrialInput, plan_of};
 use lemons_sim::Documents;
@@ -95,7 +95,10 @@ fn counted(count: usize, what: &str) -> String {
 
 /// A result of SARIF; what is in no file is in the Trial at a path.
 fn result(problem: &Problem, path: &Path) -> Value {
-    let Problem { rule, file, line, element, attribute, message, .. } = problem;
+    let Problem { rule, file, line, element, attribute, .. } = problem;
+    // All of it but the place.
+    let text = Problem { file: PathBuf::new(), line: None, ..problem.clone() };
+    let text = format!("{text:#}");
     let file = if file.as_os_str().is_empty() { path } else { file };
     let mut place = json!({ "artifactLocation": { "uri": uri(file) } });
     if let Some(line) = line {
@@ -107,7 +110,7 @@ fn result(problem: &Problem, path: &Path) -> Value {
         location["logicalLocations"] = json!([{ "fullyQualifiedName": of.as_ref().unwrap_or(element) }]);
     }
     let level = problem.severity().to_string();
-    json!({ "ruleId": rule.row().id, "level": level, "message": { "text": message }, "locations": [location] })
+    json!({ "ruleId": rule.row().id, "level": level, "message": { "text": shortened(&text) }, "locations": [location] })
 }
 
 /// Characters that stand for themselves in the path of an URI.
@@ -123,7 +126,7 @@ fn uri(file: &Path) -> String {
 /// A log of SARIF 2.1.0 with these results.
 fn sarif(results: &[Value]) -> Value {
     let rule = |rule: &Rule| {
-        let Row { id, severity, means, advice, .. } = rule.row();
+        let RuleRow { id, severity, means, advice, .. } = rule.row();
         json!({
             "id": id,
             "shortDescription": { "text": means },

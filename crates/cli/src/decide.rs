@@ -7,6 +7,7 @@ use anyhow::{Context, Result, anyhow};
 use lemons_core::trial::DriveChoice;
 use lemons_decision::DECISION_FILE;
 use lemons_master::{PlanChoice, TrialInput};
+use lemons_sim::lint::{self, Files};
 use std::path::PathBuf;
 
 /// DecisionConfig of everybody, as short as they can be.
@@ -41,7 +42,9 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     let mut file = files::stage(&arguments.output)?;
     let given = TrialInput::open(&arguments.trial)?;
     let choice = arguments.plan.clone().map_or(PlanChoice::Own, PlanChoice::File);
-    let (documents, warnings, _) = given.documents(&DriveChoice::None, &choice)?;
+    let (documents, mut warnings, plan) = given.documents(&DriveChoice::None, &choice)?;
+    let files = Files::chosen(given.path(), &DriveChoice::None, plan.as_deref());
+    warnings.extend(lint::of_documents(&documents, &files));
     warnings.iter().for_each(|warning| note!("{warning}"));
     let plan = documents.plan.as_ref().ok_or_else(|| {
         let missing = given.path().join(DECISION_FILE);

@@ -26,7 +26,7 @@ use lemons_results::measure::{Leaving, WAITING, Wait};
 use lemons_results::{Format, Frame, Run};
 use lemons_sim::lint::late_legs;
 use lemons_sim::{Algorithm, PointKind, Stepper, Until};
-use model::{CrowdInfo, Model, Prepared};
+use model::{CrowdInfo, Prepared, RecordedModel};
 use outputs::{OutputTable, Place};
 pub use recorder::Target;
 use recorder::{CrowdRecorder, Recorded};
@@ -315,7 +315,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let bar = progress_bar(&stepper)?;
     let started = Instant::now();
     let mut noted = started;
-    let mut record = |run: &Stepper, model: &mut (dyn Model + 'static), frames: Vec<Frame>, kind| {
+    let mut record = |run: &Stepper, model: &mut (dyn RecordedModel + 'static), frames: Vec<Frame>, kind| {
         let time = model.time();
         for (recorder, frame) in recorders.iter_mut().zip(frames) {
             recorder.see(frame, kind)?;

@@ -23,18 +23,18 @@ impl fmt::Display for Severity {
     }
 }
 
-/// What a rule is.
+/// Row of a rule.
 #[derive(Debug)]
-pub struct Row {
-    /// Its name, which stays.
+pub struct RuleRow {
+    /// Name, which stays.
     pub id: &'static str,
-    /// Of what it finds.
+    /// Severity of what it finds.
     pub severity: Severity,
-    /// What is looked at.
+    /// Files or values that it looks at.
     pub of: &'static str,
-    /// What it finds.
+    /// Finding.
     pub means: &'static str,
-    /// What to do.
+    /// Advice.
     pub advice: &'static str,
 }
 
@@ -50,9 +50,9 @@ macro_rules! rules {
             pub const ALL: &[Rule] = &[$(Rule::$rule),*];
 
             /// Returns what it is.
-            pub fn row(self) -> &'static Row {
+            pub fn row(self) -> &'static RuleRow {
                 match self {
-                    $(Rule::$rule => &Row {
+                    $(Rule::$rule => &RuleRow {
                         id: $id, severity: Severity::$severity, of: $of, means: $means, advice: $advice
                     },)*
                 }
@@ -60,7 +60,7 @@ macro_rules! rules {
 
             /// Says what it finds, and what to do.
             pub fn text(self) -> String {
-                let Row { means, advice, .. } = self.row();
+                let RuleRow { means, advice, .. } = self.row();
                 format!("{means} ({advice})")
             }
         }
@@ -97,12 +97,12 @@ rules! {
     WayBlocked "way-through-wall" Warning: "decision.toml, Geometry.xml", "a way to a way-point crosses a wall: ways to way-points are straight, and go round nothing", "add way-points";
     PointHidden "way-point-out-of-reach" Warning: "decision.toml, Geometry.xml", "a way-point is nearer to a wall than anybody gets", "move it, or give it a larger radius";
     StraightLeaves "straight-model-presses" Warning: "decision.toml", "in the model \"straight\" people do not see each other: in front of an exit they push without end", "model = \"rotational\" is for doors, corridors and counterflow";
-    StraightMeets "straight-model-counterflow" Note: "decision.toml", "in the model \"straight\" they do not see each other, and push", "model = \"rotational\" is for doors, corridors and counterflow";
+    StraightMeets "straight-model-counterflow" Note: "decision.toml", "people walk against each other: in the model \"straight\" they do not see each other, and push", "model = \"rotational\" is for doors, corridors and counterflow";
     SpeedLeaves "collision-free-speed-flow" Note: "decision.toml", "in the model \"collision-free-speed\" flows through doors are about half of what people reach in experiments", "model = \"rotational\" is for doors, corridors and counterflow";
-    SpeedMeets "collision-free-speed-counterflow" Warning: "decision.toml", "in the model \"collision-free-speed\" they nearly stand still", "model = \"rotational\" is for doors, corridors and counterflow";
+    SpeedMeets "collision-free-speed-counterflow" Warning: "decision.toml", "people walk against each other: in the model \"collision-free-speed\" they nearly stand still", "model = \"rotational\" is for doors, corridors and counterflow";
     ForceLeaves "social-force-flow" Warning: "decision.toml", "in the model \"social-force\" flows through doors are two to four times what people reach in experiments", "model = \"rotational\" is for doors, corridors and counterflow";
-    ForceMeets "social-force-counterflow" Warning: "decision.toml", "for this, the model \"social-force\" has not been compared with experiments", "model = \"rotational\" is for doors, corridors and counterflow";
-    Accuracy "step-accuracy" Note: "TimeStepMechanical (lemons check)", "up to which mechanical step the Trial is stable, and how accurate its own and another one are", "see step.md";
+    ForceMeets "social-force-counterflow" Warning: "decision.toml", "people walk against each other: for this, the model \"social-force\" has not been compared with experiments", "model = \"rotational\" is for doors, corridors and counterflow";
+    Accuracy "step-accuracy" Note: "TimeStepMechanical (lemons check)", "up to which mechanical step the Trial is stable, and how accurate its own and another one are", "see docs/step.md";
     Stuck "stuck" Warning: "the end of a run", "in the model \"straight\" people walk on, whoever is in the way: most press on and get no further", "in decision.toml, model = \"rotational\" makes them keep distances";
     Uneven "exits-uneven" Note: "the end of a run", "exits are used unevenly: the last person left by one much later than by another", "exit_choice in decision.toml";
 }
@@ -121,7 +121,7 @@ mod tests {
         let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/rules.md");
         let text = std::fs::read_to_string(&page).unwrap();
         let row = |rule: &Rule| {
-            let Row { id, severity, of, means, advice } = rule.row();
+            let RuleRow { id, severity, of, means, advice } = rule.row();
             format!("| `{id}` | {severity} | {of} | {means} | {advice} |\n")
         };
         let table: String = Rule::ALL.iter().map(row).collect();

@@ -20,7 +20,7 @@ pub use crate::rule::{Rule, Severity};
 pub use crate::xml::{Problem, quoted};
 pub use agents::{Agent, BODY_MASS_INDEX, Shape};
 pub use documents::{Checked, FileNames, INTERACTIONS, Trial, output_names};
-pub use drive::{DRIVE_FILE, DriveChoice, DriveTable, Push, half_sine, own_drive};
+pub use drive::{DRIVE_FILE, DriveChoice, DriveTable, EVER, Push, half_sine, own_drive};
 pub use dynamics::{AgentDynamics, DynamicsElement, dynamics_xml};
 pub use geometry::{Geometry, Wall};
 pub use interactions::{AgentInteraction, ContactForce, Interactions, WallInteraction, interactions_xml};

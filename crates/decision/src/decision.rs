@@ -11,7 +11,7 @@ use crate::walking_model::{DesiredMotion, Walking};
 use lemons_core::plane::{InPlane, Motion, Pose, Vec2, vec2};
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Dependencies, Known, Role, Scalar, Size, Variable};
-use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, damaged, fingerprint, refuse};
+use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, damaged, refuse};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -161,7 +161,7 @@ impl Decision {
             choice: Choice::new(plan.seed, i as u64),
             legs: Legs::default(),
         });
-        let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
+        let fingerprint = plan.fingerprint;
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
         let most_waypoints = most.unwrap_or(0).max(1);
         let agents = agents.collect();

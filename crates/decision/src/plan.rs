@@ -63,12 +63,12 @@ impl Planned {
     }
 }
 
-/// The initial data of the FMU.
+/// Everything that Decision does with the agents of a Trial, in memory only.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// What the user wrote.
+    /// Settings, as the user wrote them.
     pub config: DecisionConfig,
-    /// Tells one plan from another by the content of its Trial and of its settings.
+    /// Fingerprint of all that follows.
     pub fingerprint: u128,
     /// \[s\] `DefaultExperiment.stepSize`
     pub time_step: f64,
@@ -107,6 +107,13 @@ impl Plan {
     /// There is a setting for an unknown agent, exit or goal, an agent without way-points and exits, an exit to which no
     /// way leads, or a number out of range.
     pub fn of(trial: &Trial, config: &DecisionConfig) -> Result<Plan, PlanError> {
+        let plan = Plan::without_ways(trial, config)?;
+        plan.check_ways()?;
+        Ok(plan)
+    }
+
+    /// Makes the same, without looking whether ways lead there.
+    fn without_ways(trial: &Trial, config: &DecisionConfig) -> Result<Plan, PlanError> {
         let people = &trial.agents;
         if let Some(unknown) = config.agents.keys().find(|id| people.iter().all(|person| person.id != **id)) {
             return Err(PlanError::UnknownAgent(unknown.clone()));
@@ -180,13 +187,11 @@ impl Plan {
         // Who sees neither walls nor exits needs no copy of them.
         let seen = bodies || !targets.is_empty() || balance.is_some() || !groups.is_empty();
         let walls = trial.geometry.fixed_walls().filter(|_| seen).map(|wall| wall.corners.clone()).collect();
-        let text = config.to_toml()?;
-        let content = [&trial.fingerprint().to_le_bytes()[..], text.as_bytes()].concat();
         let exit_choice = config.exit_choice.unwrap_or_default();
         let motivation = config.motivation.clone();
         let plan = Plan {
-            config: config.clone(),
-            fingerprint: fingerprint(&content),
+            config: DecisionConfig::default(),
+            fingerprint: 0,
             time_step: trial.parameters.time_step,
             seed,
             walls,
@@ -200,8 +205,8 @@ impl Plan {
             agents,
         };
         let plan = plan.checked()?;
-        plan.check_ways()?;
-        Ok(plan)
+        let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
+        Ok(Plan { config: config.clone(), fingerprint, ..plan })
     }
 
     /// Reads a Trial directory with a `decision.toml`, as an FMU contains it.
@@ -213,8 +218,9 @@ impl Plan {
         let path = directory.join(DECISION_FILE);
         let at = |error: &dyn Display| format!("{}: {error}", path.display());
         let text = input::read_text(&path, input::LARGEST_SETTINGS).map_err(|error| at(&error))?;
+        // Ways were looked at when the FMU was packed.
         DecisionConfig::from_toml(&text)
-            .and_then(|config| Plan::of(&trial, &config))
+            .and_then(|config| Plan::without_ways(&trial, &config))
             .map_err(|error| at(&error))
     }
 

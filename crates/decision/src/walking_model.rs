@@ -1,6 +1,6 @@
 //! How people walk among others: from where they want to go to a velocity, or a force.
 //!
-//! A model is a file beside this one and a row of [`models!`]; `decision.toml` has a table of its constants
+//! A model is a file beside this one and a row of `models!`; `decision.toml` has a table of its constants
 //! ([`DecisionConfig`]).
 
 mod collision_free_speed;

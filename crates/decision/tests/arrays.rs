@@ -73,6 +73,21 @@ impl Deref for Walkers {
     }
 }
 
+/// What an FMU holds is its plan, to the last bit.
+#[test]
+fn a_plan_reads_back_to_the_last_bit() {
+    let mut trial = trial();
+    trial.agents[0].moment_of_inertia = 1.0 / 3.0;
+    trial.dynamics[0].position = vec2(1e-300, -0.0);
+    let wishes = "waypoints = [{ x = 0.1, y = 1e-320, radius = 0 }]\n[agents.7]\ndesired_speed = 0.3";
+    let plan = Plan::of(&trial, &DecisionConfig::from_toml(wishes).unwrap()).unwrap();
+    let directory = TempDir::new().unwrap();
+    trial.write(directory.path()).unwrap();
+    std::fs::write(directory.path().join(DECISION_FILE), plan.config.to_toml().unwrap()).unwrap();
+    // 0 and -0 are written otherwise.
+    assert_eq!(format!("{:?}", Plan::read(directory.path()).unwrap()), format!("{plan:?}"));
+}
+
 impl Walkers {
     fn new() -> Walkers {
         Walkers::of(Version::V3, fmi::instantiation_token::<Decision>().to_string())

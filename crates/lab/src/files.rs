@@ -219,6 +219,6 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
         require(watch(&progress).is_continue(), || "the table was stopped".into())?;
         Ok::<_, Refused>(ControlFlow::Continue(()))
     };
-    run.observe(&mut write, steps)?;
+    run.advance_with(&mut write, steps)?;
     Ok(writer.finish()?.into_inner())
 }

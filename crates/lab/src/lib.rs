@@ -37,6 +37,7 @@ pub mod typescript;
 pub mod upload;
 
 use base::{Base, Basis};
+use lemons_core::trial::Rule;
 use lemons_people::placing::Watch;
 use lemons_sim::lint::{self, Files};
 use serde::{Deserialize, Serialize};
@@ -231,6 +232,8 @@ impl Lab {
         let (documents, files) = (driven.documents(), Files::within(Path::new("")));
         let mut found = lint::of_documents(&documents, &files);
         found.extend(lint::of_step(&documents, documents.trial.parameters.time_step, &files));
+        // What the user makes on the page is meant so.
+        found.retain(|of| of.rule != Rule::DriveAdded || matches!(shown.motion, motion::Motion::Own {}));
         let mut notes = basis.notes.clone();
         notes.extend(found.iter().map(ToString::to_string));
         if edit::room_of(&shown.edits).is_some() {

@@ -86,7 +86,11 @@ impl Run {
     ///
     /// # Errors
     /// The engine refuses one; the run is then where it was before that one. Or those of the observer.
-    pub fn observe<O: Observer<Simulation>>(&mut self, observer: &mut O, steps: u32) -> Result<(), O::Error> {
+    pub fn advance_with<O: Observer<Simulation>>(
+        &mut self,
+        observer: &mut O,
+        steps: u32,
+    ) -> Result<(), O::Error> {
         self.points.advance(&mut self.simulation, observer, steps.into())
     }
 
@@ -112,7 +116,7 @@ impl Run {
             advanced.arrived.push(simulation.arrived()?);
             Ok::<_, Refused>(ControlFlow::Continue(()))
         };
-        let done = self.observe(&mut add, steps);
+        let done = self.advance_with(&mut add, steps);
         self.overlap = overlap;
         done?;
         Reply::with(advanced, bytes)

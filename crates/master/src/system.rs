@@ -274,7 +274,7 @@ impl System {
         })
     }
 
-    /// An error says which component it was, if there are several.
+    /// Adds to an error which component it was, if there are several.
     fn of_component(&self, c: usize, done: Result<()>) -> Result<()> {
         if self.components.len() == 1 {
             return done;

@@ -12,7 +12,6 @@ use lemons_core::files::{Scratch, input};
 use lemons_core::trial::{DriveChoice, DriveTable, Problem, Problems, Trial};
 use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
 use lemons_sim::Documents;
-use lemons_sim::lint::{self, Files};
 use std::io::{Seek, Write};
 use std::path::{Component, Path, PathBuf};
 
@@ -102,8 +101,8 @@ impl TrialInput {
         DriveTable::of(Some(trial), &DriveChoice::Own).map_err(|problems| self.renamed(&problems))
     }
 
-    /// Reads what the Trial is simulated with, all that is probably not meant, and the file that says where people walk, as the
-    /// user knows it.
+    /// Reads what the Trial is simulated with, what is probably not meant in the Trial's files, and the file that says where
+    /// people walk, as the user knows it.
     ///
     /// # Errors
     /// The Trial, its drive or its plan has errors: [`Error::Broken`] where these are files of the Trial.
@@ -113,7 +112,7 @@ impl TrialInput {
         plan: &PlanChoice,
     ) -> Result<(Documents, Problems, Option<PathBuf>)> {
         let broken = |problems| Error::Broken { path: self.path.clone(), problems };
-        let (trial, mut problems) = self.read().map_err(broken)?;
+        let (trial, problems) = self.read().map_err(broken)?;
         let drive = match drive {
             DriveChoice::Own => self.drive(&trial).map_err(broken)?,
             other => DriveTable::of(Some(&trial), other).map_err(Error::Drive)?,
@@ -127,8 +126,6 @@ impl TrialInput {
         let read = read.map(|(path, known)| plan_of(&trial, path).place(|| known.display().to_string()));
         let documents = Documents { plan: read.transpose()?, trial, drive };
         let plan = plan.map(|(_, known)| known);
-        let decision = plan.clone().unwrap_or_default();
-        problems.extend(lint::of_documents(&documents, &Files { decision, ..Files::within(&self.path) }));
         Ok((documents, problems, plan))
     }
 

@@ -52,7 +52,8 @@ impl Model {
             let advice = if is_fmu { OTHER_FMU } else { "" };
             CommandError::new_err(format!("{}{advice}", short(whole(&error))))
         })?;
-        let files = Files { decision: plan.clone().unwrap_or_default(), ..Files::within(&path) };
+        let files = Files::chosen(&path, &DriveChoice::Own, plan.as_deref());
+        problems.extend(lint::of_documents(&documents, &files));
         problems.extend(lint::of_step(&documents, documents.trial.parameters.time_step, &files));
         Ok(Model { documents, plan, warnings: problems.iter().map(short).collect() })
     }

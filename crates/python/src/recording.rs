@@ -14,10 +14,10 @@ use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, P
 use pyo3::exceptions::{PyIndexError, PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-/// The groups of numbers of an agent in arrays: poses and velocities are parts of an array, contacts are behind the
-/// squeeze.
+/// Names of an agent's numbers, in the order of the arrays: poses and velocities are parts of an array, legs are last.
 const ORDER: [&str; 20] = [
     "x",
     "y",
@@ -41,10 +41,10 @@ const ORDER: [&str; 20] = [
     "fallen",
 ];
 
-/// Returns the places of these numbers in the row of a table.
-fn places() -> [usize; ORDER.len()] {
+/// Places of these numbers in the row of a table.
+static PLACES: LazyLock<[usize; ORDER.len()]> = LazyLock::new(|| {
     ORDER.map(|name| QUANTITIES.iter().position(|of| of.name == name).expect("it is in the table"))
-}
+});
 
 /// Returns how many numbers an agent has, with legs or without.
 fn width(legs: bool) -> usize {
@@ -67,11 +67,10 @@ pub fn table() -> Vec<String> {
 }
 
 /// Appends the numbers of everybody.
-pub fn observe(frame: &Frame, numbers: &mut Vec<f64>) {
-    let places = places();
+pub fn append(frame: &Frame, numbers: &mut Vec<f64>) {
     for agent in 0..frame.agents.len() {
         let row = frame.row(agent);
-        numbers.extend(places[..numbers_of_each(frame)].iter().map(|place| row[*place]));
+        numbers.extend(PLACES[..numbers_of_each(frame)].iter().map(|place| row[*place]));
     }
 }
 
@@ -82,20 +81,20 @@ pub fn is_width(each: usize) -> bool {
 
 /// Makes a frame of the numbers of everybody, so many each, at a time \[s\].
 pub fn frame_of(time: f64, numbers: &[f64], each: usize, leaving: bool) -> Frame {
-    let places = places();
     let row = |own: &[f64]| {
         let mut row = Row::default();
-        places.iter().zip(own).for_each(|(place, number)| row[*place] = *number);
+        PLACES.iter().zip(own).for_each(|(place, number)| row[*place] = *number);
         row
     };
     let rows: Vec<Row> = numbers.chunks_exact(each).map(row).collect();
     let groups = Groups { active: leaving, legs: each == width(true), ..ALL };
     let mut frame = Frame { place: format!("t = {time:?} s"), ..Frame::of_rows(time, &rows, groups) };
     let observed = || frame.observed.iter().flatten();
+    let count = |of: u64| u32::try_from(of).unwrap_or(u32::MAX);
     // A contact of two people counts for both.
     frame.totals = Some(Totals {
-        agent_contacts: observed().map(|of| of.agent_contacts).sum::<u32>() / 2,
-        wall_contacts: observed().map(|of| of.wall_contacts).sum(),
+        agent_contacts: count(observed().map(|of| u64::from(of.agent_contacts)).sum::<u64>() / 2),
+        wall_contacts: count(observed().map(|of| u64::from(of.wall_contacts)).sum()),
     });
     frame
 }
@@ -124,7 +123,7 @@ struct Recorded {
     times: Vec<f64>,
     /// Those of each agent at each of these times.
     numbers: Vec<f64>,
-    /// When Python wants to be heard again.
+    /// Time at which Python is to be heard again.
     pause: Option<Instant>,
     end: RunEnd,
 }
@@ -147,9 +146,9 @@ impl Observer<lemons_sim::Simulation> for Recorded {
         frames: Vec<Frame>,
         _: PointKind,
     ) -> Result<ControlFlow<()>, SimError> {
-        for frame in &frames {
+        for frame in frames {
             self.times.push(frame.time);
-            observe(frame, &mut self.numbers);
+            append(&frame, &mut self.numbers);
             self.end.see(frame);
         }
         let pauses = self.pause.is_some_and(|pause| Instant::now() >= pause);
@@ -235,11 +234,10 @@ impl Recording {
         self.run.leaving()?.why_some_stay(*self.recorded.times.last()?)
     }
 
-    /// What is found at the end of a run.
-    fn findings(&self, simulation: &Simulation) -> Vec<String> {
+    /// What is found at the end of a run; `whole`: it began with the crowd.
+    fn findings(&self, simulation: &Simulation, whole: bool) -> Vec<String> {
         let world = simulation.simulation.world();
         let forces: Option<Vec<_>> = world.map(|world| world.drive.iter().map(|drive| drive.force).collect());
-        let whole = self.run.clock.start == 0.0;
         let found = simulation
             .plan
             .iter()

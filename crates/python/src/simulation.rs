@@ -2,7 +2,7 @@
 
 use crate::SimulationError;
 use crate::model::Model;
-use crate::recording::{numbers_of_each, observe};
+use crate::recording::{append, numbers_of_each};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_core::files::words::shortened;
 use lemons_decision::Plan;
@@ -194,7 +194,7 @@ impl Simulation {
         self.simulation.world().ok_or_else(|| refused(SimError::NotBegun))?;
         let frame = self.simulation.frame();
         let mut numbers = Vec::new();
-        observe(&frame, &mut numbers);
+        append(&frame, &mut numbers);
         numbers.into_pyarray(py).reshape([frame.agents.len(), numbers_of_each(&frame)])
     }
 

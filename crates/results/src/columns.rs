@@ -30,14 +30,14 @@ pub struct Quantity {
 pub enum Group {
     /// Pose and velocity of an agent: in every table.
     Motion,
-    /// What an agent touches at the time, and the squeeze.
+    /// Contacts at the time, and the squeeze.
     Contacts,
-    /// What an agent's contacts did since the row before: over one communication step, or over N (`--every N`). FMUs of
+    /// Work of an agent's contacts since the row before: over one communication step, or over N (`--every N`). FMUs of
     /// the first versions have none of these outputs.
     OfStep,
     /// The part of the mean squeeze by walls; the rest is by people. FMUs and tables of earlier versions do not have it.
     ByWalls,
-    /// Whether the agent is there: it touches nothing if not, and stands where it was last.
+    /// Presence: who is not there touches nothing, and stands where it was last.
     Active,
     /// Legs of an agent, where people have some: outputs of Decision, not of the crowd's FMU.
     Legs,

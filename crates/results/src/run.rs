@@ -1,6 +1,6 @@
 //! What was recorded of a crowd.
 
-use crate::columns::{Groups, QUANTITIES, Row};
+use crate::columns::{Groups, QUANTITIES, Quantity, Row};
 use crate::error::RecordError;
 use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::{Interactions, Trial};
@@ -162,7 +162,8 @@ impl Frame {
 
     /// Returns the row of an agent.
     pub fn row(&self, agent: usize) -> Row {
-        QUANTITIES.map(|quantity| (quantity.get)(self, agent))
+        const ALL: &[Quantity; QUANTITIES.len()] = &QUANTITIES;
+        std::array::from_fn(|place| (ALL[place].get)(self, agent))
     }
 
     /// Returns the frame with the agents of these places.

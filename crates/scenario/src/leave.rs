@@ -53,7 +53,7 @@ impl Scenario {
         fits(self.ways_out() > 0 || self.drawing_file().is_some(), || NO_WAY_OUT.into())
     }
 
-    /// How many doors and exits are given; as if there were one, where nobody leaves.
+    /// Returns how many doors and exits are given; 1 if nobody leaves, for whom none is needed.
     pub(crate) fn ways_out(&self) -> usize {
         let of_room = self.room.as_ref().map_or(0, |room| room.doors.len());
         let exits = self.decision.exits.as_ref().map_or(0, Vec::len);

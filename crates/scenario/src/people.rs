@@ -7,6 +7,7 @@ use crate::{MOST_PEOPLE, Made, ROUND, Scenario, drive};
 use lemons_core::files::input;
 use lemons_core::files::source::Source as Files;
 use lemons_core::plane::{Pose, Vec2};
+use lemons_core::trial::DriveTable;
 use lemons_decision::Plan;
 use lemons_people::placing::{Ended, FreeSpace, Method, Orientation, Packing, Settings, Watch, within_area};
 use lemons_people::{
@@ -192,7 +193,7 @@ impl Scenario {
         let open: f64 = open.map(|ground| ground.free.region.area()).sum();
         for (key, given) in [("number", number.is_some()), ("density", density.is_some())] {
             fits(!given || open > 0.0, || {
-                format!("`{key}`: the `regions` say themselves how many people they have")
+                format!("`{key}`: `regions` say themselves how many people they have")
             })?;
         }
         let mut before = 0.0;
@@ -340,7 +341,7 @@ impl Ready<'_> {
         Ok(Crowd { packing, densities, shapes })
     }
 
-    /// Makes the documents of the Trial. Bicycles are not in it.
+    /// Makes the documents of the Trial. Bicycles are not in it; with them, there is no decision and no drive.
     ///
     /// # Errors
     /// People cannot leave, a push reaches nobody, or the mechanical step would be too short.
@@ -362,16 +363,16 @@ impl Ready<'_> {
             let contacts = trial.materials.binary.iter_mut().filter(|of| of.id1 == own || of.id2 == own);
             contacts.for_each(|contact| contact.kinetic_friction = friction);
         }
-        let (mut notes, mut decision) = (place.notes.clone(), None);
+        let (mut notes, mut decision, mut pushed) = (place.notes.clone(), None, DriveTable::default());
         if !agents.iter().any(|agent| matches!(agent, Agent::Bicycle(_))) {
             decision = scenario.decision(&agents, &trial, &place, &mut notes);
+            pushed = drive(&trial, &scenario.pushes)?;
         }
         let leave = if scenario.leave { "`leave`: people cannot leave: " } else { "" };
         let plan =
             |config: &_| Plan::of(&trial, config).map_err(|error| impossible(format!("{leave}{error}")));
         let decision = decision.map(|config| plan(&config).map(|plan| (config, plan))).transpose()?;
-        let drive = drive(&trial, &scenario.pushes)?;
-        Ok(Made { trial, agents, crowd, place, drive, decision, notes })
+        Ok(Made { trial, agents, crowd, place, drive: pushed, decision, notes })
     }
 }
 

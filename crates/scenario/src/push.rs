@@ -3,12 +3,10 @@
 use crate::error::{Result, require, within};
 use crate::forms::Pair;
 use lemons_core::plane::Vec2;
-use lemons_core::trial::{DriveTable, Trial, half_sine};
+use lemons_core::trial::{DriveTable, EVER, Trial, half_sine};
 use lemons_people::heading;
 use serde::{Deserialize, Serialize};
 
-/// \[s\] A drive that goes on has a row at this time.
-const EVER: f64 = 1e6;
 /// Straight pieces of a pulse. Its impulse is that of the half sine but for 0.3 %.
 const PIECES: u32 = 16;
 

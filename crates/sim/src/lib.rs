@@ -9,7 +9,7 @@
 //! - [`lint`]: what is probably not meant where people walk, in a drive, and at the end of a run
 //! - [`exposure`]: greatest squeeze and overlap, and what passes between two rows of a table
 //! - [`Replay`]: the contacts of a Trial's agents in the frames of a run
-//! - [`stop`]: when a run ends before its time
+//! - [`stop`]: when a run ends
 
 mod clock;
 pub mod exposure;

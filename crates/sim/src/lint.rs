@@ -9,7 +9,9 @@ pub use end::RunEnd;
 use crate::Documents;
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
 use lemons_core::plane::Vec2;
-use lemons_core::trial::{Agent, AgentDynamics, DRIVE_FILE, DriveTable, Parameters, Problem, Rule, Trial};
+use lemons_core::trial::{
+    Agent, AgentDynamics, DRIVE_FILE, DriveChoice, DriveTable, Parameters, Problem, Rule, Trial,
+};
 use lemons_decision::balance::Balance;
 use lemons_decision::plan::Planned;
 use lemons_decision::rule::UNLIMITED;
@@ -35,6 +37,13 @@ impl Files {
     /// Those in a directory.
     pub fn within(directory: &Path) -> Files {
         Files { decision: directory.join(DECISION_FILE), drive: directory.join(DRIVE_FILE) }
+    }
+
+    /// Those that were chosen for the Trial in a directory.
+    pub fn chosen(directory: &Path, drive: &DriveChoice, decision: Option<&Path>) -> Files {
+        let own = Files::within(directory);
+        let drive = if let DriveChoice::File(path) = drive { path.clone() } else { own.drive };
+        Files { decision: decision.map_or(own.decision, Path::to_owned), drive }
     }
 }
 

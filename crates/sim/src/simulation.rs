@@ -44,7 +44,7 @@ pub enum Algorithm {
     GaussSeidel,
 }
 
-/// What a component does in a communication step.
+/// Part of a communication step of a component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exchange {
     /// Its inputs get the newest values of the outputs that feed them.
@@ -259,7 +259,7 @@ impl Simulation {
             return Err(SimError::Step { to: time, from: self.time });
         }
         let (from, step) = (self.time, time - self.time);
-        // The order means nothing for Jacobi: a crowd that refuses the step leaves Decision as it was.
+        // Jacobi gives the same in any order. If the crowd refuses the step, Decision has seen the poses, and has not stepped.
         let order = match self.algorithm {
             Algorithm::Jacobi => [Part::Crowd, Part::Decision],
             Algorithm::GaussSeidel => [Part::Decision, Part::Crowd],

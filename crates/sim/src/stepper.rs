@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 
 /// A model that a run steps: a Trial in memory, or FMUs.
 pub trait RunModel {
-    /// Why it does not step.
+    /// Error of a step.
     type Error;
 
     /// Steps to a communication point \[s\].
@@ -62,7 +62,7 @@ pub enum PointKind {
 
 /// An observer of a run.
 pub trait Observer<M: RunModel + ?Sized> {
-    /// Why the run cannot go on.
+    /// Error that ends the run.
     type Error: From<M::Error>;
 
     /// Prepares the step from the k-th communication point.
@@ -71,7 +71,7 @@ pub trait Observer<M: RunModel + ?Sized> {
     /// Sees the crowds at a communication point. After `Break` no further step is made.
     ///
     /// # Errors
-    /// Theirs.
+    /// Those of the observer.
     fn see(
         &mut self,
         run: &Stepper,
@@ -182,8 +182,13 @@ impl Stepper {
         if let Some(stop) = &mut self.stop {
             let stepped = matches!(kind, PointKind::Written | PointKind::Passed);
             let over = stop.see(model.time(), &frames, stepped);
-            // A table has the frame in which all have left.
-            self.stopped = stepped && over && (kind == PointKind::Written || !stop.have_left());
+            self.stopped = over
+                && match kind {
+                    PointKind::Start | PointKind::Written => true,
+                    PointKind::Resumed => false,
+                    // A table has the frame in which all have left.
+                    PointKind::Passed => !stop.have_left(),
+                };
         }
         observer.see(self, model, frames, kind)
     }

@@ -1,4 +1,4 @@
-//! When a run ends before its time: the crowd has come to rest, or has left.
+//! The end of a run: at a time, or before, when the crowd has come to rest or has left.
 
 use lemons_core::plane::Vec2;
 use lemons_results::Frame;
@@ -15,7 +15,7 @@ const STANDING_TURN: f64 = 0.05;
 /// \[s\] Times are sums of steps.
 const ROUNDING: f64 = 1e-9;
 
-/// When a run ends.
+/// End of a run, as users say it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Until {
     /// \[s\]
@@ -80,7 +80,7 @@ pub enum StopCondition {
     Left(Leaving),
 }
 
-/// Since when nobody moves.
+/// Time since which nobody moves.
 #[derive(Debug, Clone)]
 pub struct Still {
     /// \[s\]

@@ -37,7 +37,7 @@ enum Accumulator<'a> {
     /// Without densities where it needs the room: they are measured at the end, in the frames that are kept.
     Area(&'a InArea, &'a MeasuringArea, Vec<Density>),
     /// And the places of the agents that count.
-    Squeeze(&'a OfSqueeze, Vec<usize>, Exposure),
+    Squeeze(&'a OfSqueeze, Exposure),
     Balance(&'a OfBalance, Vec<usize>, Balance),
 }
 
@@ -70,9 +70,7 @@ impl<'a> Accumulators<'a> {
                     Accumulator::Line(of, Passages::over(line, people), width)
                 }
                 Kind::Area(of) => Accumulator::Area(of, places.area(&of.area)?, Vec::new()),
-                Kind::Squeeze(of) => {
-                    Accumulator::Squeeze(of, agents(&of.agents, of.across)?, of.begin(people))
-                }
+                Kind::Squeeze(of) => Accumulator::Squeeze(of, of.begin(agents(&of.agents, of.across)?)),
                 Kind::Balance(of) => {
                     Accumulator::Balance(of, agents(&of.agents, of.across)?, Balance::of(people))
                 }
@@ -114,7 +112,7 @@ impl<'a> Accumulators<'a> {
                 Accumulator::Area(of, ..) if of.needs_room() => kept = true,
                 Accumulator::Area(_, area, seen) => seen.push(area.measure(&frame, None)),
                 Accumulator::Balance(_, _, balance) => balance.add(&frame),
-                Accumulator::Squeeze(of, _, exposure) => exposure.see(&frame, of.by),
+                Accumulator::Squeeze(of, exposure) => exposure.see(&frame, of.by),
             }
         }
         if self.needs_room {
@@ -147,7 +145,7 @@ impl<'a> Accumulators<'a> {
                 of.value(seen.iter().filter(|seen| measure.counts(seen.time)))
             }
             Accumulator::Area(of, _, seen) => of.value(seen.iter()),
-            Accumulator::Squeeze(of, agents, exposure) => of.value(&agents, &exposure),
+            Accumulator::Squeeze(of, exposure) => of.value(&exposure),
             Accumulator::Balance(of, agents, balance) => of.value(&agents, balance),
         });
         Ok(values.collect())

@@ -15,6 +15,7 @@ use lemons_sim::{Clock, PointKind, Simulation, Stepper, StopCondition};
 use serde_json::{Map, Value};
 use std::collections::HashSet;
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Data shared by all points.
@@ -37,13 +38,18 @@ impl Job {
         for (place, model) in models.all.iter().enumerate() {
             let path = model.0.display();
             // With several, a sentence about a parameter does not say of which one.
-            let loaded = match LoadedModel::open(&spec, place) {
+            let loaded = match LoadedModel::open(&spec, place, true) {
                 Err(error @ (Error::Spec(_) | Error::In { .. })) if models.all.len() > 1 => {
                     Err(error).place(|| path.to_string())?
                 }
                 loaded => loaded?,
             };
-            warnings.extend(loaded.warnings);
+            for warning in loaded.warnings {
+                // Crowds are alike.
+                if !warnings.contains(&warning) {
+                    warnings.push(warning);
+                }
+            }
             digests.push(identity::digest(&loaded.identity)?);
             if models.all.len() == 1 {
                 identity.extend(loaded.identity);
@@ -57,7 +63,7 @@ impl Job {
 
     /// Loads one of the models again.
     fn load(&self, place: usize) -> Result<LoadedModel> {
-        let model = LoadedModel::open(&self.spec, place)?;
+        let model = LoadedModel::open(&self.spec, place, false)?;
         let same = identity::digest(&model.identity)? == self.digests[place];
         let path = self.spec.models.all[place].0.display();
         ensure(same, || format!("{path}: it was changed while the sweep was running"))?;
@@ -135,8 +141,9 @@ pub struct LoadedModel {
 }
 
 impl LoadedModel {
-    /// Loads the model of a place, and checks that it has all variables that are set and read.
-    fn open(spec: &Spec, place: usize) -> Result<LoadedModel> {
+    /// Loads the model of a place, and checks that it has all variables that are set and read. `examines`: says what is
+    /// probably not meant.
+    fn open(spec: &Spec, place: usize, examines: bool) -> Result<LoadedModel> {
         let (path, plan) = &spec.models.all[place];
         let (documents, mut problems, walks) = match &spec.population {
             Some(population) => {
@@ -152,8 +159,14 @@ impl LoadedModel {
         let step = spec.step.unwrap_or(documents.trial.parameters.time_step);
         let clock = Clock::new(0.0, step, spec.until.latest()).map_err(lemons_master::Error::from);
         let clock = clock.place(|| "until".into())?;
-        let files = Files { decision: walks.unwrap_or_default(), ..Files::within(path) };
-        problems.extend(lint::of_step(&documents, clock.step, &files));
+        if examines {
+            let files = match spec.population {
+                Some(_) => Files { decision: PathBuf::new(), drive: PathBuf::new() },
+                None => Files::chosen(path, &spec.drive, walks.as_deref()),
+            };
+            problems.extend(lint::of_documents(&documents, &files));
+            problems.extend(lint::of_step(&documents, clock.step, &files));
+        }
         let end = spec.until.condition(documents.drive.end(), || documents.leaving());
         let end = end.map_err(|nobody| Error::Spec(format!("until = \"left\": {nobody}")))?;
         let identity = identity::of_documents(&documents, spec.algorithm, clock.step)?;

@@ -118,6 +118,8 @@ class Crowd:
             if held := _PROPULSION.fullmatch(name):
                 self._held.update(range(len(self)) if held[1] == "*" else [int(held[1])])
         self._simulation.begin(start)
+        self._start = start
+        self._ends: list[str] = []
         self._hear()
 
     def _hear(self) -> None:
@@ -299,6 +301,7 @@ class Crowd:
         if isinstance(until, str) and until != "left":
             raise ValueError(f"until={until!r}: must be a time [s], or 'left'")
         simulation, step = self._simulation, self.model.step if step is None else float(step)
+        whole = simulation.time == self._start
         recording = _native.Recording(simulation, None if isinstance(until, str) else float(until), step, stop is None)
         if isinstance(drive, Drive) and drive.tables:
             agents, pushes = self._pushes(drive, recording.points())
@@ -318,7 +321,10 @@ class Crowd:
             if report is not None:
                 steps, done = recording.steps
                 report(Progress(done, 0, done if met or recording.is_over else steps, monotonic() - begin, 0, None))
-        self.messages += recording.findings(simulation)
+        # Of several runs, what is found at the end of the last one.
+        self.messages = [text for text in self.messages if text not in self._ends]
+        self._ends = recording.findings(simulation, whole)
+        self.messages += self._ends
         why = None if met else recording.why_some_stay()
         if why is not None:
             warnings.warn(why, stacklevel=2)

@@ -178,7 +178,7 @@ fn option_of(key: &str) -> Option<String> {
     Some(format!("--{}", command.get_arguments().find(is_it)?.get_long()?))
 }
 
-/// How keys of a scenario are called: as options, or, where they are as a file says, as in it.
+/// Names of a scenario's keys: those of options, or, where they are as a file says, those in it.
 struct Words<'a> {
     now: &'a Scenario,
     /// The file, and what it says.
@@ -205,13 +205,17 @@ impl Words<'_> {
         self.is_option(text.split('`').nth(1).unwrap_or_default())
     }
 
+    /// Returns whether an option says how many people there are, or where.
+    fn asks_how_many(&self) -> bool {
+        ["number", "density", "box"].iter().any(|key| self.is_option(key))
+    }
+
     fn error(&self, error: ScenarioError) -> anyhow::Error {
         match error {
             ScenarioError::Misused(what) if self.of_option(&what) => Misused(self.text(&what)).into(),
-            ScenarioError::NoRoom { .. }
-                if ["number", "density", "box"].iter().any(|key| self.is_option(key)) =>
-            {
-                anyhow!(self.note(&error.to_string()))
+            ScenarioError::NoRoom { .. } if self.asks_how_many() => anyhow!(self.note(&error.to_string())),
+            ScenarioError::People { of, error } if of.contains("`packing`") && self.asks_how_many() => {
+                explained(error).context(self.note(&of))
             }
             ScenarioError::Stopped => Interrupted::given_up().into(),
             ScenarioError::Files(problems) => {

@@ -1,6 +1,6 @@
 //! A run of an FMU, or of FMUs that an SSP couples: frames of its crowds, from the outputs of their FMUs.
 
-use super::model::{CrowdInfo, Model, Prepared};
+use super::model::{CrowdInfo, Prepared, RecordedModel};
 use super::outputs::OutputValues;
 use anyhow::{Error, Result, anyhow};
 use crowd_mechanics::quantities::segments;
@@ -106,7 +106,7 @@ impl RunModel for FmuRun {
     }
 }
 
-impl Model for FmuRun {
+impl RecordedModel for FmuRun {
     fn outputs(&mut self) -> Result<OutputValues> {
         let mut values = OutputValues::default();
         for (place, numbers, texts) in &self.outputs {

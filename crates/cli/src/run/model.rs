@@ -24,7 +24,7 @@ pub struct CrowdInfo {
 }
 
 /// A model that the command runs.
-pub trait Model: RunModel<Error = Error> {
+pub trait RecordedModel: RunModel<Error = Error> {
     /// \[N\] The forces that drive the people of a crowd, if they are known.
     fn drive(&self) -> Option<Vec<Vec2>> {
         None
@@ -47,7 +47,7 @@ pub trait Model: RunModel<Error = Error> {
 
 /// A run that is ready: at its first communication point, or at that of the saved run.
 pub struct Prepared {
-    pub model: Box<dyn Model>,
+    pub model: Box<dyn RecordedModel>,
     pub crowds: Vec<CrowdInfo>,
     /// Columns of the outputs of components that are no crowds.
     pub output_columns: Vec<Column>,

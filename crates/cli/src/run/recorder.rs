@@ -110,7 +110,7 @@ impl CrowdRecorder {
             poses.add(&frame);
         }
         let since = self.end.last.time;
-        self.end.see(&frame);
+        self.end.see(frame.clone());
         if kind == PointKind::Resumed {
             return Ok(());
         }

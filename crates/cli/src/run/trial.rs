@@ -1,6 +1,6 @@
 //! A run of a Trial in memory.
 
-use super::model::{CrowdInfo, Model, Prepared};
+use super::model::{CrowdInfo, Prepared, RecordedModel};
 use super::outputs::OutputValues;
 use anyhow::{Context, Error, Result, anyhow, bail};
 use crowd_mechanics::engine::Wrench;
@@ -12,6 +12,7 @@ use lemons_fmi::variables::{Kind as VariableKind, Scalar};
 use lemons_master::{ComponentRecord, Settings, TrialInput, notes};
 use lemons_results::columns::{ALL, Column, Groups};
 use lemons_results::{CellType, Frame};
+use lemons_sim::lint::{self, Files};
 use lemons_sim::settings::{CROWD, DECISION, Selection};
 use lemons_sim::{RunModel, SimError, Simulation};
 
@@ -59,7 +60,7 @@ impl RunModel for TrialRun {
     }
 }
 
-impl Model for TrialRun {
+impl RecordedModel for TrialRun {
     fn drive(&self) -> Option<Vec<Vec2>> {
         Some(self.simulation.world()?.drive.iter().map(|drive| drive.force).collect())
     }
@@ -80,7 +81,9 @@ impl Model for TrialRun {
 /// Prepares a run of a Trial. Warnings are printed.
 pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
     let saved = settings.saved()?;
-    let (documents, problems, plan) = given.documents(&settings.drive, &settings.plan)?;
+    let (documents, mut problems, plan) = given.documents(&settings.drive, &settings.plan)?;
+    let files = Files::chosen(given.path(), &settings.drive, plan.as_deref());
+    problems.extend(lint::of_documents(&documents, &files));
     problems.iter().for_each(|problem| note!("{problem}"));
     let (drive, walking) = (documents.drive.clone(), documents.plan.clone());
     let trial = documents.trial.clone();

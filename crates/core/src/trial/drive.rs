@@ -15,6 +15,9 @@ use uuid::Uuid;
 /// Name of the drive file in a Trial directory. An FMU holds it too, for masters that look for it.
 pub const DRIVE_FILE: &str = "drive.csv";
 
+/// \[s\] A drive that goes on has a row at this time.
+pub const EVER: f64 = 1e6;
+
 /// Fp.x \[N\], Fp.y \[N\], Mp \[N.m\].
 pub type Push = [f64; 3];
 

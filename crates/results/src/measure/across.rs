@@ -3,7 +3,7 @@
 use crate::measure::quantile;
 use serde::Deserialize;
 
-/// How the numbers of several agents become one.
+/// Function that makes one number of those of several agents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Across {

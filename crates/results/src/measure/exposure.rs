@@ -71,6 +71,8 @@ pub struct Exposure {
     spanned: bool,
     /// Whether all frames say how people are squeezed.
     said: bool,
+    /// Places of those who are seen in frames.
+    agents: Vec<usize>,
     people: Vec<Exposed>,
     impulses: MovingMeans,
     /// \[s\]
@@ -81,13 +83,19 @@ impl Exposure {
     /// Begins, with levels of squeeze \[N\]; compared with them are means over spans of the length `over` \[s\], or, without,
     /// those over communication steps.
     pub fn new(people: usize, levels: &[f64], over: Option<f64>) -> Exposure {
+        Exposure::of((0..people).collect(), levels, over)
+    }
+
+    /// Begins in the same way, for the agents at these places of a frame.
+    pub fn of(agents: Vec<usize>, levels: &[f64], over: Option<f64>) -> Exposure {
         let above = vec![Some(Above::default()); levels.len()];
         Exposure {
             levels: levels.to_vec(),
             over,
             spanned: false,
             said: true,
-            people: vec![Exposed { above, ..Exposed::default() }; people],
+            people: vec![Exposed { above, ..Exposed::default() }; agents.len()],
+            agents,
             impulses: MovingMeans::over(SPANS.into_iter().chain(over).fold(0.0, f64::max)),
             longest_step: 0.0,
         }
@@ -100,7 +108,8 @@ impl Exposure {
         self.said &= seen.is_some()
             && steps.all(|step| step.is_some_and(|step| by.is_none() || step.mean_wall_force.is_some()));
         if self.said {
-            self.add(frame.time, (0..self.people.len()).map(|agent| squeeze(frame, agent, by)));
+            let squeezes: Vec<_> = self.agents.iter().map(|agent| squeeze(frame, *agent, by)).collect();
+            self.add(frame.time, squeezes.into_iter());
         }
     }
 

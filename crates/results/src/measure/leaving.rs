@@ -35,8 +35,9 @@ pub struct Wait {
 /// A run that ends when people have left. It is given all communication points in the order of time.
 #[derive(Debug, Clone)]
 pub struct Leaving {
-    /// Whether somebody is to leave, and how many are.
+    /// Of each person, whether they are to leave.
     who: Vec<bool>,
+    /// Number of those who are.
     leave: usize,
     left: usize,
     /// \[s\] Since then nobody has got further than [`REACH`] from these places \[m\]; `None` of those who have left.

@@ -37,11 +37,6 @@ impl Passages {
         Passages { line, time: f64::NAN, people: vec![Person::default(); people] }
     }
 
-    /// The line.
-    pub fn line(&self) -> Line {
-        self.line
-    }
-
     /// Adds the next frame. Who is in no frame between two is not followed between them.
     pub fn add(&mut self, frame: &Frame) {
         let (line, before) = (self.line, self.time);

@@ -1,4 +1,4 @@
-//! What is found at the end of a run.
+//! Findings at the end of a run.
 
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{Problem, Rule};
@@ -12,7 +12,7 @@ const STUCK: f64 = 0.1;
 /// Ratio and difference \[s\] of the times of the last departures by two exits: from these on, they are uneven.
 const UNEVEN: (f64, f64) = (1.5, 10.0);
 
-/// How a run ends: it sees the frames of all communication points.
+/// End of a run: it sees the frames of all communication points.
 #[derive(Debug, Default)]
 pub struct RunEnd {
     /// The last frame.
@@ -23,10 +23,11 @@ pub struct RunEnd {
 
 impl RunEnd {
     /// Sees the next frame.
-    pub fn see(&mut self, frame: &Frame) {
-        let before = std::mem::replace(&mut self.last, frame.clone());
-        let gone = (0..before.agents.len()).filter(|k| before.is_there(*k) && !frame.is_there(*k));
-        self.departures.extend(gone.map(|k| (frame.time, frame.agents[k].pose.position)));
+    pub fn see(&mut self, frame: Frame) {
+        let before = std::mem::replace(&mut self.last, frame);
+        let now = &self.last;
+        let gone = (0..before.agents.len()).filter(|k| before.is_there(*k) && !now.is_there(*k));
+        self.departures.extend(gone.map(|k| (now.time, now.agents[k].pose.position)));
     }
 
     /// Returns what is found of people who walk by a plan. `forces` \[N\] drive them at the end; `whole`: the first frame was

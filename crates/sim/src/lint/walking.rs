@@ -27,9 +27,7 @@ pub(super) fn unfit(plan: &Plan) -> Vec<(Rule, String)> {
         WalkingModel::Rotational(_) => return Vec::new(),
     };
     let leave = plan.leaving().contains(&true).then(|| (leaving, String::new()));
-    let meet = meeting(plan).map(|[one, other]| {
-        (opposite, format!("people walk against each other, as agents {one:?} and {other:?}: "))
-    });
+    let meet = meeting(plan).map(|[one, other]| (opposite, format!("agents {one:?} and {other:?}: ")));
     let said = |(rule, who): (Rule, String)| (rule, format!("{who}{}", rule.text()));
     leave.into_iter().chain(meet).map(said).collect()
 }

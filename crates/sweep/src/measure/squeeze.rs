@@ -81,15 +81,15 @@ impl OfSqueeze {
         mistakes.into_iter().try_for_each(|(holds, why)| ensure(holds, || why.to_owned()))
     }
 
-    /// Begins to sum up the squeeze of so many people.
-    pub(crate) fn begin(&self, people: usize) -> Exposure {
+    /// Begins to sum up the squeeze of the agents at these places.
+    pub(crate) fn begin(&self, agents: Vec<usize>) -> Exposure {
         let over = self.over.filter(|_| self.squeeze == What::TimeAbove);
-        Exposure::new(people, self.level.as_slice(), over)
+        Exposure::of(agents, self.level.as_slice(), over)
     }
 
-    /// Returns the number of the agents at these places; `None` if it is not known of all of them: there is no step, or the
+    /// Returns the number of the agents; `None` if it is not known of all of them: there is no step, or the
     /// time is too short for a mean over it.
-    pub(crate) fn value(&self, agents: &[usize], seen: &Exposure) -> Option<f64> {
+    pub(crate) fn value(&self, seen: &Exposure) -> Option<f64> {
         let of = |one: &Exposed| match self.squeeze {
             What::TimeAbove => one.above[0].map(|above| above.time),
             What::LargestMean => one.largest_mean[self.place()?],
@@ -97,8 +97,7 @@ impl OfSqueeze {
             What::Impulse => Some(one.impulse),
             What::Time => Some(one.time),
         };
-        let all = seen.finish().ok()?;
-        let values: Vec<f64> = agents.iter().map(|agent| of(&all[*agent])).collect::<Option<_>>()?;
+        let values: Vec<f64> = seen.finish().ok()?.iter().map(of).collect::<Option<_>>()?;
         self.across.unwrap_or(Across::Max).of(values.into_iter())
     }
 }
