@@ -18,9 +18,9 @@ Needs the command `lemons` (or its path in the variable LEMONS) and pandas.
 import argparse
 import itertools
 import os
+import shutil
 import subprocess
 import tomllib
-import zipfile
 from pathlib import Path
 
 import pandas as pd
@@ -54,11 +54,14 @@ def plan(trial: Path, seed: int, name: str, more: str = "") -> Path:
 
 
 def members(trial: Path, settings: Path) -> list[list[int]]:
-    """The groups that were drawn, as the FMU has them."""
-    fmu = settings.with_suffix(".fmu")
-    lemons("decide", trial, "--plan", settings, "-o", fmu, "--force")
-    with zipfile.ZipFile(fmu) as archive:
-        return tomllib.loads(archive.read("resources/decision.toml").decode()).get("groups", [])
+    """The groups that were drawn: a Trial that goes on from a run names them."""
+    begun, later, table = (settings.with_suffix(end) for end in (".begun", ".later", ".begun.csv"))
+    shutil.copytree(trial, begun, dirs_exist_ok=True)
+    shutil.copy(settings, begun / "decision.toml")
+    lemons("run", begun, "--until", 0.05, "-o", table, "--force")
+    lemons("export", table, later, "--to", "trial", "--trial", begun, "--force")
+    groups = tomllib.loads((later / "decision.toml").read_text()).get("groups", {})
+    return [[int(id) for id in group] for group in groups.get("members", [])]
 
 
 def run(trial: Path, settings: Path) -> pd.DataFrame:

@@ -56,7 +56,7 @@ export function translated(text: string): string {
         missing.add(key);
         return text;
     }
-    return text.replace(inner, () => found.replace(/#/g, () => given.shift() ?? ""));
+    return text.replace(inner, () => found.replace(/#/g, () => given.shift() ?? "#"));
 }
 
 const SAID = ["title", "aria-label", "aria-valuetext", "placeholder", "alt"];

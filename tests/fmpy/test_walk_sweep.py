@@ -106,7 +106,7 @@ def test_one_trial_many_parameters(rooms, here, tmp_path):
             assert crowd.run(until="left").ended == table["ended"][point]
     assert table["ended"][0] > table["ended"][2] and (table["left"][[0, 2]] == 10).all()
     told = json.loads((tmp_path / "one.csv").read_text().splitlines()[0].removeprefix("# lemons sweep "))
-    assert len(told["plan"]) == 40 and told["algorithm"] == "Jacobi" and told["until"] == "left"
+    assert len(told["plan"]) == 32 and told["algorithm"] == "Jacobi" and told["until"] == "left"
 
     away = 'exits = [{ name = "far", line = [[6.0, 0.5], [6.0, 3.5]] }]\n'
     for name, text in {"near": away, "slow": f"desired_speed = 0.5\n{away}"}.items():

@@ -143,6 +143,7 @@ MESSAGES = [
     ("agent {agent:?} at ({x}, {y}) m: no way leads to {to}: walls are between", ['"7"', "-1.25", "3.00", 'goal "stage"']),
     ("agent {agent:?} at ({x}, {y}) m: no way leads to {to}: walls are between", ['"7"', "1.25", "3.00", 'any exit ("left")']),
     ("agent {agent:?} at ({x}, {y}) m: no way leads to {to}: walls are between", ['"7"', "1.25", "3.00", 'any exit ("left", "right", "last")']),
+    ("the way-point at ({x:.2}, {y:.2}) m with radius = {radius:.3} m is {wall:.2} m before a wall: nobody gets so near", ["1.00", "2.00", "0.010", "0.05"]),
     ("there are no agents", []),
     ("{count} corners: at most {MOST_CORNERS} are allowed", [5001, 5000]),
     ("{name}: its area is {area} m²; at least {SMALLEST_AREA} m² is needed", ["the region where people are placed", 0, "0.000001"]),
