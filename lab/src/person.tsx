@@ -135,7 +135,7 @@ function MeasureFields({ is, asked }: { is: PersonShown; asked: PersonRequest })
     const set = (part: Partial<PersonRequest>) => change({ person: { ...asked, ...part } });
     return (
         // Until the measures of the other sex come, a number that is typed would be lost with its field.
-        <fieldset disabled={is.sex !== asked.sex}>
+        <fieldset class="measures" disabled={is.sex !== asked.sex}>
             {is.measures.map((measure, k) => {
                 const [by, unit] = shownIn(measure);
                 const decimals = unit === "m" ? 3 : 1;
