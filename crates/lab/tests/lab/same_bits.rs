@@ -11,6 +11,7 @@ use lemons_master::{PlanChoice, Prepared, Settings, TrialInput, binary_beside, d
 use lemons_people::zip_trial;
 use lemons_results::Frame;
 use lemons_results::columns::Groups;
+use lemons_sim::lint::{self, Files};
 use lemons_sim::{Algorithm, Clock, Documents, Simulation};
 use lemons_testing::{repository, trial_push};
 use std::fs::File;
@@ -126,7 +127,9 @@ struct Scene {
 
 impl Scene {
     fn of(directory: PathBuf) -> Scene {
-        let (documents, problems, _) = documents_of(&directory, &DriveChoice::Own, &PlanChoice::Own).unwrap();
+        let (documents, mut problems, _) =
+            documents_of(&directory, &DriveChoice::Own, &PlanChoice::Own).unwrap();
+        problems.extend(lint::of_documents(&documents, &Files::within(&directory)));
         Scene { directory, documents, problems }
     }
 
