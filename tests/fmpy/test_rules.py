@@ -76,9 +76,9 @@ def test_what_is_wrong_is_told_with_its_value_and_its_file(lemons, tmp_path):
     other = tmp_path / "other.csv"
     other.write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,1e6,0,0\n0.5,0,0,0,0\n")
     _, lines = found(lemons, trial)
-    assert any('Mass="80000"' in line for line in lines), lines
+    assert any('Mass="80000.0"' in line for line in lines), lines
     told = subprocess.run([lemons, "run", trial, "--drive", other, "--until", "0.05", "-o", tmp_path / "run.csv"], capture_output=True, text=True, check=True)
-    assert f"warning: {other}: Fp=" in told.stderr and "Mass=\"80000\"" in told.stderr
+    assert f"warning: {other}: Fp=" in told.stderr and "Mass=\"80000.0\"" in told.stderr
 
 
 def test_the_end_of_a_run_is_told_alike(lemons, tmp_path):
