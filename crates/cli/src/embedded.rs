@@ -1,27 +1,14 @@
 //! Commands that another program calls: their arguments are the same words, runs may be in memory, and nothing is printed.
 
 use crate::error::full_message;
+pub use crate::record::InMemory;
 use crate::{Command, interrupt, print, read};
 use anyhow::Result;
 use lemons_core::files::words::shortened;
-use lemons_core::trial::Trial;
-use lemons_decision::Plan;
-use lemons_results::Run;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// A run in memory, in the place of a table and of its Trial.
-#[derive(Debug)]
-pub struct InMemory {
-    /// Its frames; the source is what messages call it.
-    pub run: Run,
-    /// Shapes and walls.
-    pub trial: Trial,
-    /// What its people want.
-    pub plan: Option<Plan>,
-}
 
 /// An operand that is elsewhere than in the file which its name says.
 #[derive(Debug)]

@@ -24,15 +24,16 @@ mod info;
 mod interrupt;
 mod lab;
 mod measure;
-mod numbers;
 mod output;
 mod pack;
 mod people;
 mod pictures;
+mod record;
 mod replay;
 mod run;
 mod sweep;
 mod trajectories;
+mod values;
 mod verify;
 mod version;
 

@@ -8,15 +8,15 @@ mod tables;
 mod text;
 
 use crate::error::{Misused, and_then};
-use crate::export::{area, area_of_heads};
 use crate::files::{self, Force};
 use crate::interrupt::Interrupt;
-use crate::numbers::{number, positive, seconds};
 use crate::output::Output;
 use crate::pictures::plot::Format;
 use crate::pictures::source::Source;
 use crate::print;
+use crate::record::{area, area_of_heads};
 use crate::run::until;
+use crate::values::{number, positive, seconds};
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::quantities::segments;
 use lemons_core::trial::{Rule, Trial};

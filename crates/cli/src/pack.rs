@@ -2,8 +2,7 @@
 
 use crate::binary::{CROWD, Library};
 use crate::files::{self, Force};
-use crate::numbers::positive;
-use crate::run::seconds;
+use crate::values::{duration, positive};
 use crate::version::BUILD;
 use anyhow::{Context, Result};
 use clap::builder::PossibleValuesParser;
@@ -96,10 +95,10 @@ pub struct Reference {
     #[arg(long)]
     reference: bool,
     /// End of the run for --reference, in seconds. Default: that of the FMU's DefaultExperiment
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "reference")]
+    #[arg(long, value_name = "SECONDS", value_parser = duration, requires = "reference")]
     until: Option<f64>,
     /// Communication step of the run for --reference, in seconds. Default: the Trial's TimeStep
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "reference")]
+    #[arg(long, value_name = "SECONDS", value_parser = duration, requires = "reference")]
     step: Option<f64>,
     /// Tolerance of the run for --reference, which the FMU gets from whoever runs it again: for a crowd, an accuracy in
     /// metres (docs/step.md)

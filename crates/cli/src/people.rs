@@ -12,20 +12,10 @@ pub mod shape;
 mod source;
 
 use crate::error::TrialHasErrors;
-use crate::numbers::within;
+use crate::values::within;
 use anyhow::Result;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use lemons_core::trial::Problems;
 use lemons_people::{Measure, Person, Sex};
-
-/// A parser of the names of some values.
-pub fn named<T: Copy + Send + Sync>(
-    all: &'static [T],
-    name: fn(T) -> &'static str,
-) -> impl TypedValueParser<Value = T> {
-    let parser = PossibleValuesParser::new(all.iter().map(|value| name(*value)));
-    parser.map(move |said| all.iter().copied().find(|value| name(*value) == said).unwrap_or(all[0]))
-}
 
 /// A parser of a number of a scenario; `unit` follows its range in the error.
 fn ranged(key: &str, unit: &str) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + use<> {

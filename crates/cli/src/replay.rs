@@ -1,6 +1,6 @@
 //! `lemons replay`: an FMU against the reference in it.
 
-use crate::numbers::number;
+use crate::values::number;
 use anyhow::{Result, bail};
 use lemons_master::{Difference, Replay};
 use std::path::PathBuf;

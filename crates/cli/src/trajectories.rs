@@ -2,8 +2,8 @@
 //! the walls and bodies that they are shown with.
 
 use crate::error::Misused;
-use crate::export::trial_of;
-use crate::numbers::{positive, within};
+use crate::record::trial_of;
+use crate::values::{positive, within};
 use anyhow::{Context, Result, bail};
 use lemons_core::files::input;
 use lemons_core::plane::Vec2;

@@ -1,8 +1,8 @@
 //! The picture of a measurement: everything over time.
 
 use super::Arguments;
-use super::pass::{OVER, QUANTILES};
-use super::summary::Summary;
+use super::pass::OVER;
+use super::summary::{QUANTILES, Summary};
 use super::tables::directions;
 use lemons_picture::{Chart, ChartPanel, ChartStyle, Line, chart_svg};
 use lemons_results::measure::{Density, Passage, windows};

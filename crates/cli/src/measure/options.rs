@@ -1,7 +1,7 @@
 //! Lines, areas and levels, as they are given.
 
 use crate::error::Misused;
-use crate::numbers::list;
+use crate::values::list;
 use anyhow::{Result, bail};
 use lemons_results::measure::{Line, MeasuringArea};
 use std::collections::HashSet;

@@ -1,7 +1,7 @@
 //! One pass over the frames of a run.
 
 use super::Arguments;
-use super::summary::{OfArea, OfBalance, OfLine, OfSqueeze, OfTrajectories, Piece, Summary};
+use super::summary::{OfArea, OfBalance, OfLine, OfSqueeze, OfTrajectories, Piece, QUANTILES, Summary};
 use crate::interrupt::Interrupt;
 use anyhow::{Result, bail};
 use lemons_core::trial::Wall;
@@ -10,9 +10,6 @@ use lemons_results::measure::{
     Balance, By, Density, Departures, Exposure, MovingMeans, Passages, Room, quantile, squeeze, within,
 };
 use lemons_sim::Until;
-
-/// Quantiles of the people, by their squeeze.
-pub const QUANTILES: [f64; 3] = [0.5, 0.9, 1.0];
 
 /// \[s\] Single steps show hard collisions of milliseconds, and no pressure.
 pub const OVER: f64 = 1.0;

@@ -1,7 +1,6 @@
 //! All numbers of a measurement that do not depend on time: what is printed, and what is written as JSON.
 
 use super::options::Named;
-use super::pass::QUANTILES;
 use lemons_core::trial::Wall;
 use lemons_results::Trajectories;
 use lemons_results::measure::{
@@ -9,6 +8,9 @@ use lemons_results::measure::{
     Way,
 };
 use serde::Serialize;
+
+/// Quantiles of the people, by their squeeze.
+pub const QUANTILES: [f64; 3] = [0.5, 0.9, 1.0];
 
 /// SI units; null: not known. What tables and pictures have of each frame and person is beside it, and not in the JSON.
 #[derive(Serialize)]

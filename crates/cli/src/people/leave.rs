@@ -1,8 +1,8 @@
 //! `--leave` and the options that need it: the `decision.toml` of a crowd.
 
-use super::{named, ranged};
+use super::ranged;
 use crate::error::Misused;
-use crate::numbers::array;
+use crate::values::{array, named};
 use anyhow::{Result, bail};
 use lemons_core::distribution::{Distribution, Range};
 use lemons_core::plane::{Vec2, vec2};

@@ -1,11 +1,11 @@
 //! `lemons person`: one person's shape, and the files of the body.
 
 use super::outputs::Outputs;
-use super::{line, measure, named};
+use super::{line, measure};
 use crate::error::Misused;
 use crate::files::Force;
-use crate::numbers::within;
 use crate::print;
+use crate::values::{named, within};
 use anyhow::Result;
 use lemons_core::plane::Pose;
 use lemons_core::trial::Geometry;

@@ -1,10 +1,11 @@
 //! Where a crowd stands: the region, the placer, its progress.
 
+use super::ranged;
 use super::regions::{door, region};
 use super::room::{self, DrawingArguments};
-use super::{named, ranged};
 use crate::interrupt::Interrupt;
 use crate::print;
+use crate::values::named;
 use anyhow::Result;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_people::drawing::Read;

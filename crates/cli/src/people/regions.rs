@@ -1,7 +1,7 @@
 //! `--region` and `--door`: on which ground people stand, and how many on each.
 
 use super::ranged;
-use crate::numbers::{array, list};
+use crate::values::{array, list};
 use lemons_core::plane::vec2;
 use lemons_people::placing::FreeSpace;
 use lemons_scenario::{DoorForm, MOST_PEOPLE, RegionForm};

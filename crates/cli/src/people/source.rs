@@ -2,7 +2,7 @@
 
 use super::{measure, person, ranged};
 use crate::error::Misused;
-use crate::numbers::within;
+use crate::values::within;
 use anyhow::{Result, bail};
 use lemons_people::{Measure, Person, Sex};
 use lemons_scenario::{People, Scenario, Share};

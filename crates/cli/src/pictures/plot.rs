@@ -7,9 +7,9 @@ use super::trial_run::{Bodies, TrialRun, nothing_between};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
-use crate::numbers::{seconds, within as number_within};
 use crate::output::Output;
 use crate::run::until;
+use crate::values::{seconds, within as number_within};
 use anyhow::{Context, Result, bail};
 use lemons_core::plane::Vec2;
 use lemons_picture::{

@@ -1,10 +1,9 @@
 //! What `lemons plot` and `lemons movie` show, and `lemons measure` measures: a Trial, an FMU, or the record of a run.
 
 use super::trial_run::{Bodies, TrialRun};
-use crate::embedded::InMemory;
 use crate::error::Misused;
-use crate::export::{expect_table, recorded, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
+use crate::record::{InMemory, expect_table, recorded, trial_of};
 use crate::run::{Inputs, Job, Target, name_and_value, not_set, simulate};
 use crate::trajectories::TrajectoryArguments;
 use anyhow::{Context, Result, bail};

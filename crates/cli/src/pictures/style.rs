@@ -5,7 +5,7 @@ use super::quantity::{Quantity, Shown, longest_gap};
 use super::trial_run::{Bodies, CrowdState, TrialRun};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
-use crate::numbers::{array, number, positive};
+use crate::values::{array, number, positive};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use crowd_mechanics::engine::PairForce;

@@ -1,29 +1,18 @@
 //! `lemons run --accuracy`: two runs, with a mechanical step for the accuracy and with half of it.
 
-use super::{Ended, Job, Target, simulate};
+use super::job::{Ended, Job, simulate};
+use super::recorder::{Poses, Target};
 use crate::error::Misused;
 use crate::interrupt::{Interrupt, Interrupted};
 use anyhow::{Result, bail};
-use lemons_core::plane::Pose;
 use lemons_master::Settings;
-use lemons_results::{Frame, KeptFrames};
+use lemons_results::KeptFrames;
 
 /// The parameter that is chosen.
 const STEP: &str = "TimeStepMechanical";
 
 /// Mechanical steps \[s\] of a run, by the name of the parameter.
 pub type Chosen = Vec<(String, f64)>;
-
-/// The poses of a crowd at each communication point.
-#[derive(Default)]
-pub struct Poses {
-    /// Times \[s\], each with the poses of all agents.
-    pub points: Vec<(f64, Vec<Pose>)>,
-    /// Ids of the agents.
-    pub ids: Vec<String>,
-    /// \[m\] From the centre of mass to the rim, by agent; `None`: shapes are not known.
-    pub rims: Option<Vec<f64>>,
-}
 
 /// Where two runs of a crowd differ.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,18 +25,13 @@ struct Difference {
     first: Option<(usize, f64)>,
 }
 
-impl Poses {
-    /// Adds a communication point.
-    pub fn add(&mut self, frame: &Frame) {
-        self.points.push((frame.time, frame.agents.iter().map(|motion| motion.pose).collect()));
-    }
-
-    /// Compares with those of another run, which are wished to be this close \[m\].
-    fn compare(&self, others: &Poses, wished: f64) -> Difference {
+impl Difference {
+    /// Compares the poses of two runs, which are wished to be this close \[m\].
+    fn of(run: &Poses, others: &Poses, wished: f64) -> Difference {
         let mut difference = Difference { largest: 0.0, at: (0, 0.0), first: None };
-        for ((time, poses), (_, others)) in self.points.iter().zip(&others.points) {
+        for ((time, poses), (_, others)) in run.points.iter().zip(&others.points) {
             for (agent, (pose, other)) in poses.iter().zip(others).enumerate() {
-                let apart = pose.apart(other, self.rims.as_ref().map_or(0.0, |rims| rims[agent]));
+                let apart = pose.apart(other, run.rims.as_ref().map_or(0.0, |rims| rims[agent]));
                 if apart > difference.largest {
                     (difference.largest, difference.at) = (apart, (agent, *time));
                 }
@@ -105,7 +89,7 @@ fn report(accuracy: f64, chosen: &Chosen, halves: &Chosen, fine: &[Poses], coars
     let millimetres = |length: f64| format!("{:.3e} mm", 1e3 * length);
     let wished = millimetres(accuracy);
     for (fine, coarse) in fine.iter().zip(coarse) {
-        let Difference { largest, at: (agent, time), first } = fine.compare(coarse, accuracy);
+        let Difference { largest, at: (agent, time), first } = Difference::of(fine, coarse, accuracy);
         let what = if fine.rims.is_some() { "a point" } else { "the position" };
         lines.push(if largest > 0.0 {
             let (largest, agent) = (millimetres(largest), &fine.ids[agent]);
@@ -127,7 +111,7 @@ fn report(accuracy: f64, chosen: &Chosen, halves: &Chosen, fine: &[Poses], coars
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_core::plane::vec2;
+    use lemons_core::plane::{Pose, vec2};
 
     #[test]
     fn the_largest_difference_and_the_first_beyond_are_found() {
@@ -140,10 +124,10 @@ mod tests {
         let coarse = poses([[(0.0, 0.0), (5.0, 0.0)], [(1.0, 0.0), (5.0, 0.0)], [(2.0, 0.0), (5.0, 0.0)]]);
         let fine = poses([[(0.0, 0.0), (5.0, 3.0)], [(1.2, 0.0), (5.0, 0.0)], [(2.0, 0.0), (5.5, 0.0)]]);
         let expected = Difference { largest: 0.5, at: (1, 2.0), first: Some((0, 1.0)) };
-        assert_eq!(fine.compare(&coarse, 0.1), expected);
+        assert_eq!(Difference::of(&fine, &coarse, 0.1), expected);
         // A point of a body that has turned is apart, too.
         let fine = Poses { rims: Some(vec![0.25; 2]), ..fine };
-        assert!(fine.compare(&coarse, 0.1).first == Some((1, 0.0)));
+        assert!(Difference::of(&fine, &coarse, 0.1).first == Some((1, 0.0)));
     }
 
     #[test]

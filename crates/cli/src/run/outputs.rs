@@ -1,6 +1,5 @@
 //! The outputs of what is not a crowd: one table, with a column for each output.
 
-use super::About;
 use crate::files;
 use crate::print::few;
 use anyhow::Result;
@@ -8,6 +7,13 @@ use lemons_core::files::{Staged, WriteError};
 use lemons_results::columns::Column;
 use lemons_results::{Cell, CellType, Content, Format, RecordError, TableWriter};
 use std::path::{Path, PathBuf};
+
+/// What tables say of a run.
+pub struct About {
+    pub lines: Vec<(&'static str, String)>,
+    /// True if a saved run goes on: then no table is replaced, which may be one of the run before.
+    pub goes_on: bool,
+}
 
 /// Where a table goes.
 #[derive(Clone)]

@@ -1,11 +1,11 @@
 //! The record of a crowd in a run: its table or frames in memory, its extremes.
 
-use super::About;
-use super::accuracy::Poses;
 use super::model::CrowdInfo;
-use super::outputs::{Place, persist};
+use super::outputs::{About, Place, persist};
+use crate::files;
 use anyhow::{Result, bail};
 use lemons_core::files::Staged;
+use lemons_core::plane::Pose;
 use lemons_core::trial::Agent;
 use lemons_master::{CrowdRecord, Saved};
 use lemons_results::{Content, Format, Frame, FrameWriter, KeptFrames, Recorder, Run};
@@ -19,6 +19,38 @@ pub enum Target {
     Table(Place),
     /// Those that are wanted.
     Memory(KeptFrames),
+}
+
+impl Target {
+    /// The same for one of several crowds: `dir/file.csv` -> `dir/file_name.csv`.
+    pub fn named(&self, name: &str) -> Result<Target> {
+        let Target::Table(Place { path, format }) = self else { return Ok(self.clone()) };
+        if files::is_standard_output(path) {
+            bail!("-o -: several crowds do not go to standard output together: -o FILE");
+        }
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let end = path.extension().map(|end| format!(".{}", end.to_string_lossy())).unwrap_or_default();
+        let path = path.with_file_name(format!("{stem}_{name}{end}"));
+        Ok(Target::Table(Place { path, format: *format }))
+    }
+}
+
+/// The poses of a crowd at each communication point.
+#[derive(Default)]
+pub struct Poses {
+    /// Times \[s\], each with the poses of all agents.
+    pub points: Vec<(f64, Vec<Pose>)>,
+    /// Ids of the agents.
+    pub ids: Vec<String>,
+    /// \[m\] From the centre of mass to the rim, by agent; `None`: shapes are not known.
+    pub rims: Option<Vec<f64>>,
+}
+
+impl Poses {
+    /// Adds a communication point.
+    fn add(&mut self, frame: &Frame) {
+        self.points.push((frame.time, frame.agents.iter().map(|motion| motion.pose).collect()));
+    }
 }
 
 enum Rows {

@@ -1,4 +1,6 @@
-//! Numbers as values of options.
+//! Numbers and names as values of options.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 /// A parser of a number that `fits`; its error says what it must be.
 pub fn number<F: Fn(f64) -> bool + Clone + Send + Sync>(
@@ -23,6 +25,11 @@ pub fn positive(text: &str) -> Result<f64, String> {
     number(|value| value > 0.0 && value.is_finite(), "a positive number")(text)
 }
 
+/// Reads a duration.
+pub fn duration(text: &str) -> Result<f64, String> {
+    positive(text).map_err(|must| format!("{must} of seconds"))
+}
+
 /// Reads a time.
 pub fn seconds(text: &str) -> Result<f64, String> {
     number(f64::is_finite, "a number of seconds")(text)
@@ -37,4 +44,13 @@ pub fn list(text: &str) -> Option<Vec<f64>> {
 /// Reads so many of them.
 pub fn array<const N: usize>(text: &str) -> Option<[f64; N]> {
     list(text)?.try_into().ok()
+}
+
+/// A parser of the names of some values.
+pub fn named<T: Copy + Send + Sync>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let parser = PossibleValuesParser::new(all.iter().map(|value| name(*value)));
+    parser.map(move |said| all.iter().copied().find(|value| name(*value) == said).unwrap_or(all[0]))
 }
