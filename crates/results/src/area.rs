@@ -4,7 +4,9 @@ use crate::measure::Room;
 use crate::outlines::{Outline, outlines};
 use crate::shapes::check;
 use lemons_core::plane::overlay::{Contour, Fill, Polygons, contour, difference, ring, union};
-use lemons_core::plane::{Bounds, Polygon, Ring, Vec2, convex_hull, nearest_on_line, segments_touch, vec2};
+use lemons_core::plane::{
+    Bounds, Polygon, Ring, Vec2, convex_hull, nearest_on_line, polygon_from_wkt, segments_touch, vec2,
+};
 use lemons_core::trial::Wall;
 
 /// \[m\] Distance of a bounding box from people and walls: more than half of a person's breadth.
@@ -122,7 +124,7 @@ pub fn measured_area(walls: &[Wall], positions: &[Vec2]) -> Option<Area> {
 /// # Errors
 /// The text is not such a polygon, a ring crosses itself or another one, or a position \[m\] is outside.
 pub fn given_area(wkt: &str, positions: impl Iterator<Item = Vec2>) -> Result<Area, String> {
-    let polygon = Polygon::from_wkt(wkt)?;
+    let polygon = polygon_from_wkt(wkt)?;
     let name = |k: usize| if k == 0 { "the outer ring".to_owned() } else { format!("hole {k}") };
     for (k, ring) in polygon.rings().enumerate() {
         check(ring).map_err(|what| format!("{} {what}", name(k)))?;
@@ -156,7 +158,7 @@ pub fn given_area(wkt: &str, positions: impl Iterator<Item = Vec2>) -> Result<Ar
 /// # Errors
 /// As [`given_area`].
 pub fn given_area_of_heads(wkt: &str, positions: &[Vec2]) -> Result<Area, String> {
-    let room = Room::of(&Polygon::from_wkt(wkt)?);
+    let room = Room::of(&polygon_from_wkt(wkt)?);
     let leans = |off: f64| off > 0.0 && off <= LEANING;
     given_area(wkt, positions.iter().copied().filter(|p| !leans(room.nearest(*p).1)))
 }

@@ -1,7 +1,6 @@
 //! Reads regular files, up to a limit. Opening anything else could wait for ever: a pipe that nobody writes to, a link to
 //! an endless device.
 
-use crate::files::source::{Disk, Source};
 use std::fs::{File, FileType, Metadata};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
@@ -90,7 +89,12 @@ pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
 /// # Errors
 /// Those of [`read`], or the file is not UTF-8 text.
 pub fn read_text(path: &Path, largest: u64) -> io::Result<String> {
-    Disk.read_text(path, largest)
+    text(read(path, largest)?)
+}
+
+/// Returns the text of a file.
+pub(crate) fn text(bytes: Vec<u8>) -> io::Result<String> {
+    String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))
 }
 
 pub(crate) fn too_large(largest: u64) -> io::Error {

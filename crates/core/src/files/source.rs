@@ -18,8 +18,7 @@ pub trait Source: std::fmt::Debug {
     /// # Errors
     /// Those of [`Source::read`], or the file is not UTF-8 text.
     fn read_text(&self, path: &Path, largest: u64) -> io::Result<String> {
-        String::from_utf8(self.read(path, largest)?)
-            .map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))
+        input::text(self.read(path, largest)?)
     }
 
     /// Returns whether there is surely nothing at a path.

@@ -3,11 +3,13 @@
 //! The crate `tempfile` is not used: its random names initialise a thread-local of this library, whose destructor
 //! crashes the host's thread if it ends after the library was unloaded.
 
-use super::written::MEANWHILE;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
+
+/// Why something is not put into its place.
+pub(super) const MEANWHILE: &str = "another program has written it meanwhile";
 
 /// Temporary files and directories that are not in place yet. The code that ends the process removes them.
 static BEGUN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());

@@ -2,7 +2,7 @@
 //! one, never a part.
 
 use crate::files::input;
-use crate::files::temporary::{Scratch, directory_of};
+use crate::files::temporary::{MEANWHILE, Scratch, directory_of};
 use std::fs::{File, TryLockError};
 use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -67,9 +67,6 @@ pub fn mark_of(place: &Path) -> Option<Mark> {
     let there = place.metadata().ok().filter(std::fs::Metadata::is_file)?;
     Some((there.modified().ok()?, there.len()))
 }
-
-/// Why something is not put into its place.
-pub(super) const MEANWHILE: &str = "another program has written it meanwhile";
 
 /// Locks a directory until it is dropped, or until the process ends: of two who look at a place and then write it, one waits.
 /// `None` where directories cannot be locked, or where somebody holds the lock for long, such as `flock` around a command.

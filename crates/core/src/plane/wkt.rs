@@ -37,6 +37,17 @@ pub fn shapes_from_wkt(wkt: &str) -> Result<Vec<Shape>, String> {
     }
 }
 
+/// Reads `POLYGON ((x y, …), (hole), …)`.
+///
+/// # Errors
+/// The text is not a POLYGON, a ring is not closed, or a coordinate is not a finite number. The error is a sentence.
+pub fn polygon_from_wkt(wkt: &str) -> Result<Polygon, String> {
+    match <[Shape; 1]>::try_from(shapes_from_wkt(wkt)?) {
+        Ok([Shape::Polygon(polygon)]) => Ok(polygon),
+        _ => Err("is not a POLYGON in well-known text, such as POLYGON ((0 0, 4 0, 4 3, 0 0))".into()),
+    }
+}
+
 /// The rest of the text.
 struct Text<'a>(&'a str);
 
@@ -273,6 +284,34 @@ mod tests {
             (&deep, "more than 32 collections"),
         ] {
             let said = shapes_from_wkt(text).unwrap_err();
+            assert!(said.contains(expected), "{text}: {said}");
+        }
+    }
+
+    #[test]
+    fn reads_back() {
+        let text = "POLYGON ((0 0, 4 0, 4.1 3, 0 0), (1 0.1, 2 0.1, 2 0.2, 1 0.1))";
+        let polygon = polygon_from_wkt(text).unwrap();
+        assert_eq!((polygon.holes.len(), polygon.outer.corners().len()), (1, 3));
+        assert_eq!(polygon.to_wkt(), text);
+        let whole = polygon_from_wkt(" polygon((0 0,4 0,4.1 3,0 0))\n").unwrap();
+        assert_eq!(whole, Polygon { holes: Vec::new(), ..polygon });
+    }
+
+    #[test]
+    fn what_is_no_polygon_is_refused_with_its_reason() {
+        for (text, expected) in [
+            ("", "is not a POLYGON"),
+            ("POLYGON", "must be followed by a parenthesis, at the end of the text"),
+            ("POLYGON ()", "no ring"),
+            ("POLYGON EMPTY", "is not a POLYGON"),
+            ("POINT (0 0)", "is not a POLYGON"),
+            ("POLYGON ((0 0, 4 0, 4 3))", "is not closed"),
+            ("POLYGON ((0 0, 4 0, 4 inf, 0 0))", "\"4 inf\" is not a corner"),
+            ("POLYGON ((0 0, 2 0, 2 3, 0 0) (2 2, 3 2, 2 3, 2 2))", "separated by commas"),
+            ("POLYGON ((0 0, é", "\"é\" is not a corner"),
+        ] {
+            let said = polygon_from_wkt(text).unwrap_err();
             assert!(said.contains(expected), "{text}: {said}");
         }
     }

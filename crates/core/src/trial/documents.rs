@@ -10,7 +10,7 @@ use crate::trial::materials::{self, Materials};
 use crate::trial::parameters::{self, Parameters};
 use crate::trial::problem::Problems;
 use crate::trial::schema::Schema;
-use crate::trial::xml::{Element, Reading, ids_of};
+use crate::trial::xml::{Checked, Element, Reading, ids_of, read_alone};
 use std::path::{Component, Path, PathBuf};
 use uuid::Uuid;
 
@@ -311,19 +311,6 @@ impl Trial {
         let changes = texts.into_iter().map(|(path, text)| Change::Write(path, text));
         change_all(&changes.chain(stale.into_iter().map(Change::Remove)).collect::<Vec<_>>())
     }
-}
-
-/// What was read, with the warnings; or all that is wrong.
-pub type Checked<T> = Result<(T, Problems), Problems>;
-
-/// Reads one file of a Trial.
-pub(crate) fn read_alone<T>(
-    files: &dyn Source,
-    path: &Path,
-    schema: &'static Schema,
-    read: impl FnOnce(Element<'_>) -> T,
-) -> Checked<T> {
-    Reading::of(files, |reading| reading.file(path, schema, read))
 }
 
 /// Returns whether a directory of Parameters.xml lies in the Trial directory.

@@ -2,10 +2,9 @@
 
 use crate::files::source::Source;
 use crate::plane::{Vec2, vec2};
-use crate::trial::documents::{Checked, read_alone};
 use crate::trial::opening::OpeningTimes;
 use crate::trial::schema::{Schema, Value};
-use crate::trial::xml::{Element, Ids, document, empty, read_id, vector};
+use crate::trial::xml::{Checked, Element, Ids, document, empty, read_alone, read_id, vector};
 use crate::xml::{number, quoted};
 use std::collections::HashMap;
 use std::path::Path;

@@ -2,10 +2,11 @@
 
 use crate::files::source::Source;
 use crate::trial::agents::Agent;
-use crate::trial::documents::{Checked, read_alone};
 use crate::trial::geometry::Geometry;
 use crate::trial::schema::{Schema, Value};
-use crate::trial::xml::{Element, Reading, document, empty, given_before, ids_of, read_id};
+use crate::trial::xml::{
+    Checked, Element, Reading, document, empty, given_before, ids_of, read_alone, read_id,
+};
 use crate::xml::{Problem, number, quoted};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};

@@ -7,7 +7,6 @@ use crate::files::source::Source;
 use crate::files::{input, words};
 use crate::plane::{Vec2, vec2};
 use crate::rule::Rule;
-use crate::trial::documents::Checked;
 use crate::trial::opening::OpeningTimes;
 use crate::trial::problem::Problems;
 use crate::trial::schema::{Schema, Value};
@@ -19,6 +18,9 @@ use std::hash::Hash;
 use std::iter::repeat;
 use std::mem;
 use std::path::Path;
+
+/// What was read, with the warnings; or all that is wrong.
+pub type Checked<T> = Result<(T, Problems), Problems>;
 
 /// Files of a Trial while they are read.
 pub(crate) struct Reading<'a> {
@@ -65,6 +67,16 @@ impl Reading<'_> {
     pub(crate) fn report(&self, problem: Problem) {
         self.problems.borrow_mut().push(problem);
     }
+}
+
+/// Reads one file of a Trial.
+pub(crate) fn read_alone<T>(
+    files: &dyn Source,
+    path: &Path,
+    schema: &'static Schema,
+    read: impl FnOnce(Element<'_>) -> T,
+) -> Checked<T> {
+    Reading::of(files, |reading| reading.file(path, schema, read))
 }
 
 /// \[m\] Places further from the origin along x or y are refused: up to there a micrometre is exact, and no square of a
