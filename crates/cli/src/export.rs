@@ -292,7 +292,7 @@ impl Arguments {
             config.without_others(&trial.agents).map_or(Ok(text), |fewer| fewer.to_toml())
         };
         let later = |(config, text): (DecisionConfig, String)| {
-            let later = plan.as_ref().map(|plan| config.going_on(plan, end));
+            let later = plan.as_ref().map(|plan| plan.going_on(&config, end));
             // Else the text of the file is kept.
             let changed = later.filter(|later| *later != config);
             changed.map_or(Ok((config, text)), |later| later.to_toml().map(|text| (later, text)))

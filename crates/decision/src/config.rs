@@ -17,10 +17,9 @@ mod write;
 use crate::balance::{Balance, Pendulum, TwoLevel};
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
-use crate::plan::Plan;
-use crate::rule::{Motivation, UNLIMITED, Waypoint};
+use crate::rule::{Motivation, Waypoint};
 use crate::spread::Spread;
-use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModelName};
+use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModel, WalkingModelName};
 use lemons_core::files::words;
 use lemons_core::trial::{Agent, OpeningTimes, Trial};
 use serde::de::Error as _;
@@ -225,48 +224,6 @@ impl DecisionConfig {
         self
     }
 
-    /// Returns the same for who goes on from a time \[s\] of a run, with a clock that begins anew: exits open and close as
-    /// much earlier, people start so, too, and motivation changes so. Groups are those of the plan, and motivation that has
-    /// changed stays so.
-    #[must_use]
-    pub fn going_on(&self, plan: &Plan, time: f64) -> DecisionConfig {
-        let mut later = self.clone();
-        for open in later.exits.iter_mut().flatten().filter_map(|exit| exit.open.as_mut()) {
-            *open = open.since(time, plan.time_step);
-        }
-        let begun: Vec<Motivation> = self.motivation.iter().filter(|of| of.time <= time).cloned().collect();
-        later.motivation.retain(|motivation| motivation.time > time);
-        later.motivation.iter_mut().for_each(|motivation| motivation.time -= time);
-        let mut starts: Vec<f64> = plan.agents.iter().map(|agent| agent.walker.start).collect();
-        if !plan.groups.is_empty() {
-            let ids = |group: &Vec<usize>| group.iter().map(|&i| plan.agents[i].id.clone()).collect();
-            let members = Some(plan.groups.iter().map(ids).collect());
-            later.groups = Some(GroupsConfig { members, ..GroupsConfig::default() });
-            for group in &plan.groups {
-                let last = group.iter().map(|&i| starts[i]).fold(0.0, f64::max);
-                group.iter().for_each(|&i| starts[i] = last);
-            }
-        }
-        let waits = starts.iter().any(|&start| start > 0.0);
-        if waits {
-            later.start = None;
-        }
-        for (agent, start) in plan.agents.iter().zip(starts) {
-            if waits {
-                later.agents.entry(agent.id.clone()).or_default().start = Some((start - time).max(0.0));
-            }
-            if !begun.is_empty() {
-                let mut walker = agent.walker.clone();
-                begun.iter().for_each(|motivation| walker.motivate(motivation));
-                let own = later.agents.entry(agent.id.clone()).or_default();
-                (own.desired_speed, own.time_gap) = (Some(walker.desired_speed), Some(walker.time_gap));
-                own.standstill_gap = Some(walker.standstill_gap);
-                own.push = (walker.push < UNLIMITED).then_some(walker.push);
-            }
-        }
-        later
-    }
-
     /// Makes settings in which nobody goes anywhere, with legs of a model.
     pub fn standing(balance: BalanceName) -> DecisionConfig {
         DecisionConfig { balance: Some(balance), ..DecisionConfig::default() }
@@ -307,6 +264,21 @@ impl DecisionConfig {
     /// Returns whether people who stand have legs.
     pub(crate) fn has_legs(&self) -> bool {
         self.balance.unwrap_or_default() != BalanceName::None
+    }
+
+    /// Returns the model of walking with its constants.
+    pub(crate) fn walking_model(&self) -> Result<WalkingModel, PlanError> {
+        let tables = [
+            self.rotational.map(WalkingModel::Rotational),
+            self.collision_free_speed.map(WalkingModel::CollisionFreeSpeed),
+            self.social_force.map(WalkingModel::SocialForce),
+        ];
+        let wanted = self.model.unwrap_or_default();
+        let given: Vec<WalkingModel> = tables.into_iter().flatten().collect();
+        match given.iter().find(|given| given.name() != wanted) {
+            Some(other) => Err(PlanError::OtherModel { key: other.name().name() }),
+            None => Ok(given.first().copied().unwrap_or_else(|| WalkingModel::usual(wanted))),
+        }
     }
 
     /// Returns the model of balance with its constants, if people have legs.

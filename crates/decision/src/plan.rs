@@ -6,7 +6,7 @@ mod groups;
 mod normalized;
 
 use crate::balance::Balance;
-use crate::config::{AgentConfig, DECISION_FILE, DecisionConfig};
+use crate::config::{AgentConfig, DECISION_FILE, DecisionConfig, GroupsConfig};
 use crate::error::{PlanError, moderate};
 use crate::exit_choice::ExitChoice;
 use crate::rule::{Motivation, UNLIMITED, Walker, Waypoint, usual_stature};
@@ -222,6 +222,47 @@ impl Plan {
         DecisionConfig::from_toml(&text)
             .and_then(|config| Plan::without_ways(&trial, &config))
             .map_err(|error| at(&error))
+    }
+
+    /// Returns settings for who goes on from a time \[s\] of a run, with a clock that begins anew: exits open and close as
+    /// much earlier, people start so, too, and motivation changes so. Groups are those of the plan, and motivation that has
+    /// changed stays so.
+    pub fn going_on(&self, config: &DecisionConfig, time: f64) -> DecisionConfig {
+        let mut later = config.clone();
+        for open in later.exits.iter_mut().flatten().filter_map(|exit| exit.open.as_mut()) {
+            *open = open.since(time, self.time_step);
+        }
+        let begun: Vec<Motivation> = config.motivation.iter().filter(|of| of.time <= time).cloned().collect();
+        later.motivation.retain(|motivation| motivation.time > time);
+        later.motivation.iter_mut().for_each(|motivation| motivation.time -= time);
+        let mut starts: Vec<f64> = self.agents.iter().map(|agent| agent.walker.start).collect();
+        if !self.groups.is_empty() {
+            let ids = |group: &Vec<usize>| group.iter().map(|&i| self.agents[i].id.clone()).collect();
+            let members = Some(self.groups.iter().map(ids).collect());
+            later.groups = Some(GroupsConfig { members, ..GroupsConfig::default() });
+            for group in &self.groups {
+                let last = group.iter().map(|&i| starts[i]).fold(0.0, f64::max);
+                group.iter().for_each(|&i| starts[i] = last);
+            }
+        }
+        let waits = starts.iter().any(|&start| start > 0.0);
+        if waits {
+            later.start = None;
+        }
+        for (agent, start) in self.agents.iter().zip(starts) {
+            if waits {
+                later.agents.entry(agent.id.clone()).or_default().start = Some((start - time).max(0.0));
+            }
+            if !begun.is_empty() {
+                let mut walker = agent.walker.clone();
+                begun.iter().for_each(|motivation| walker.motivate(motivation));
+                let own = later.agents.entry(agent.id.clone()).or_default();
+                (own.desired_speed, own.time_gap) = (Some(walker.desired_speed), Some(walker.time_gap));
+                own.standstill_gap = Some(walker.standstill_gap);
+                own.push = (walker.push < UNLIMITED).then_some(walker.push);
+            }
+        }
+        later
     }
 
     /// Returns whether somebody chooses an exit by more than where it is: by the expected time, by what is open, or with

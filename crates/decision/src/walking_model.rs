@@ -1,7 +1,7 @@
 //! How people walk among others: from where they want to go to a velocity, or a force.
 //!
 //! A model is a file beside this one and a row of `models!`; `decision.toml` has a table of its constants
-//! ([`DecisionConfig`]).
+//! ([`DecisionConfig`](crate::config::DecisionConfig)).
 
 mod collision_free_speed;
 mod near;
@@ -14,7 +14,6 @@ pub use rotational::Rotational;
 pub use social_force::SocialForce;
 pub use straight::Straight;
 
-use crate::config::DecisionConfig;
 use crate::error::PlanError;
 use lemons_core::plane::Vec2;
 use serde::{Deserialize, Serialize};
@@ -62,9 +61,9 @@ pub trait Walk {
     fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion>;
 }
 
-/// The models: name, word in a `decision.toml`, and its table of constants there.
+/// The models: name, and word in a `decision.toml`.
 macro_rules! models {
-    ($($(#[$usual:meta])? $name:ident = $word:literal, $table:expr;)*) => {
+    ($($(#[$usual:meta])? $name:ident = $word:literal;)*) => {
         /// Name of a model of how people walk among others.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
         #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
@@ -101,33 +100,26 @@ macro_rules! models {
             }
         }
 
-        impl DecisionConfig {
-            /// Returns the model with its constants.
-            pub(crate) fn walking_model(&self) -> Result<WalkingModel, PlanError> {
-                let name = self.model.unwrap_or_default();
-                $(
-                    let table: fn(&DecisionConfig) -> Option<$name> = $table;
-                    if name != WalkingModelName::$name && table(self).is_some() {
-                        return Err(PlanError::OtherModel { key: $word });
-                    }
-                )*
-                Ok(match name {
-                    $(WalkingModelName::$name => {
-                        let table: fn(&DecisionConfig) -> Option<$name> = $table;
-                        WalkingModel::$name(table(self).unwrap_or_default())
-                    })*
-                })
+        impl WalkingModel {
+            /// Returns a model with its usual constants.
+            pub fn usual(name: WalkingModelName) -> WalkingModel {
+                match name { $(WalkingModelName::$name => WalkingModel::$name($name::default())),* }
+            }
+
+            /// Returns its name.
+            pub fn name(&self) -> WalkingModelName {
+                match self { $(WalkingModel::$name(_) => WalkingModelName::$name),* }
             }
         }
     };
 }
 
 models! {
-    Rotational = "rotational", |config| config.rotational;
-    CollisionFreeSpeed = "collision-free-speed", |config| config.collision_free_speed;
-    SocialForce = "social-force", |config| config.social_force;
+    Rotational = "rotational";
+    CollisionFreeSpeed = "collision-free-speed";
+    SocialForce = "social-force";
     #[default]
-    Straight = "straight", |_| None;
+    Straight = "straight";
 }
 
 /// Ranges: from a gap of so many on, repulsion is not counted. It is below 1e-5 of that at a gap of 0.
