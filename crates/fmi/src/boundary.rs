@@ -3,25 +3,13 @@
 #![allow(unsafe_code)] // the C boundary
 
 use crate::Version;
+use crate::answer::{Answer, Refusal, Status, refuse};
 use crate::location::Location;
 use crate::model::Model;
-use crate::slave::{Answer, Refusal, Slave, refuse};
+use crate::slave::Slave;
 use lemons_core::files::words::shortened;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-
-/// `fmi2Status`; without `Pending`, `fmi3Status`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)] // FMI's own names
-pub enum Status {
-    Ok = 0,
-    Warning = 1,
-    Discard = 2,
-    Error = 3,
-    Fatal = 4,
-    Pending = 5,
-}
 
 /// The categories of log messages, with their descriptions.
 pub const LOG_CATEGORIES: [(&str, &str); 4] = [

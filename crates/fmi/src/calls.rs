@@ -12,12 +12,11 @@
 #![allow(unsafe_code)] // the C boundary
 #![allow(clippy::missing_safety_doc)] // said once, above
 
-use crate::boundary::{
-    Component, In, Instance, Intermediate, Out, Status, array, array_mut, call, place, texts,
-};
+use crate::answer::{Answer, Status, refuse};
+use crate::boundary::{Component, In, Instance, Intermediate, Out, array, array_mut, call, place, texts};
 use crate::lifecycle::{Function, Phase};
 use crate::model::{Model, Step};
-use crate::slave::{Answer, Snapshot, refuse};
+use crate::slave::Snapshot;
 use crate::states;
 use crate::variables::Number;
 use std::ffi::{CStr, CString, c_char, c_void};

@@ -6,6 +6,7 @@
 //! - [`Version`], [`Format`]: the versions of FMI, and what can be chosen when an FMU is written
 //! - [`variables`]: the rows of a model's table: name, type, causality, unit, domain, sizes; their elements (FMI 2.0)
 //! - [`lifecycle`]: the states of an instance, and in which of them a version of FMI allows a function
+//! - [`Answer`], [`Refusal`]: what calls return, or why not
 //! - [`location`]: resource URI or path -> directories
 //! - [`model`]: what a model must offer
 //! - [`slave`]: one instance: lifecycle, variables, stepping and states
@@ -17,6 +18,7 @@
 //! - [`export_fmi2!`], [`export_fmi3!`]: the C functions for a model
 //! - `testing` (feature `testing`): what an importer is, and whether a model keeps what it declares
 
+mod answer;
 #[cfg(feature = "archive")]
 pub mod archive;
 pub mod boundary;
@@ -35,8 +37,9 @@ pub mod v2;
 pub mod v3;
 pub mod variables;
 
-pub use boundary::{LOG_CATEGORIES, Logger2, Status, silence_panics};
+pub use answer::{Answer, Refusal, Status, damaged, refuse};
+pub use boundary::{LOG_CATEGORIES, Logger2, silence_panics};
 pub use format::{Format, Naming, Version};
 pub use lifecycle::{Function, Phase};
 pub use model::{Model, Step, StepError, fingerprint, guid, instantiation_token, reference};
-pub use slave::{Answer, Refusal, Slave, Snapshot, damaged, refuse};
+pub use slave::{Slave, Snapshot};

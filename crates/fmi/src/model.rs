@@ -1,8 +1,9 @@
 //! The model behind an FMU, and what identifies its interface.
 
+use crate::answer::{Answer, Refusal};
+use crate::lifecycle::Phase;
 use crate::location::Location;
 use crate::variables::{Dependencies, Known, Scalar, Size, Variable};
-use crate::{Answer, Phase, Refusal};
 use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::Debug;
 use uuid::Uuid;

@@ -9,12 +9,10 @@
 #![allow(clippy::too_many_arguments)] // FMI's signatures
 
 use crate::Version;
-use crate::boundary::{
-    Arguments, Component, In, Log, Logger, Logger2, Status, array, make, place, silence_panics,
-};
+use crate::answer::{Answer, Refusal, Status};
+use crate::boundary::{Arguments, Component, In, Log, Logger, Logger2, array, make, place, silence_panics};
 use crate::lifecycle::Function;
 use crate::model::Model;
-use crate::slave::{Answer, Refusal};
 use std::ffi::{c_char, c_int, c_void};
 
 /// `fmi2CallbackFunctions`; the memory functions may be NULL and are never used.

@@ -9,13 +9,13 @@
 #![allow(clippy::too_many_arguments)] // FMI's signatures
 
 use crate::Version;
+use crate::answer::{Answer, Status, refuse};
 use crate::boundary::{
-    Arguments, Component, In, Intermediate, IntermediateUpdate, Log, Logger, Logger3, Status, array,
-    array_mut, make, place, silence_panics,
+    Arguments, Component, In, Intermediate, IntermediateUpdate, Log, Logger, Logger3, array, array_mut, make,
+    place, silence_panics,
 };
 use crate::lifecycle::{Function, Phase};
 use crate::model::Model;
-use crate::slave::{Answer, refuse};
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
 
