@@ -1,7 +1,6 @@
 //! Bodies in three dimensions, and their sections.
 
-use crate::base::Driven;
-use crate::run::Run;
+use crate::driven::Driven;
 use crate::{Refused, Reply, require, within};
 use lemons_people::{Body3d, Figure, MeshPart, Person, Polygon, packed};
 use serde::Serialize;
@@ -90,15 +89,14 @@ fn without(figures: &[Option<Figure>]) -> usize {
 /// Returns everybody's outlines at an altitude \[m\], in the body's frame.
 ///
 /// # Errors
-/// The altitude is out of range, or there are too many people.
-pub fn sections(run: &Run, altitude: f64) -> Result<Reply, Refused> {
-    let bodies = run.bodies()?;
+/// The altitude is out of range.
+pub fn sections(of: &Driven, bodies: &[Option<Figure>], altitude: f64) -> Result<Reply, Refused> {
     within("altitude [m]", altitude, [0.0, 3.0])?;
     let slice = |of: &Option<Figure>| of.as_ref().map_or(Vec::new(), |figure| figure.slice_at(altitude));
     let slices: Vec<Vec<Polygon>> = bodies.iter().map(slice).collect();
     let area: f64 = slices.iter().flatten().map(Polygon::area).sum();
     let cut = slices.iter().filter(|polygons| !polygons.is_empty()).count();
-    let (estimated, without) = (run.driven.people.is_none(), without(bodies));
+    let (estimated, without) = (of.people.is_none(), without(bodies));
     let bodies = slices.iter().map(|polygons| outlines(polygons)).collect();
     Reply::of(Sections { altitude, bodies, cut, area, estimated, without })
 }
@@ -106,9 +104,8 @@ pub fn sections(run: &Run, altitude: f64) -> Result<Reply, Refused> {
 /// Returns everybody's surface, in the body's frame; less fine, because there are many. Then come the surfaces of things.
 ///
 /// # Errors
-/// There are too many people.
-pub fn surfaces(run: &Run) -> Result<Reply, Refused> {
-    let figures = run.bodies()?;
+/// The numbers cannot be written.
+pub fn surfaces(of: &Driven, figures: &[Option<Figure>]) -> Result<Reply, Refused> {
     let mut bytes = Vec::new();
     let mut all = |parts: fn(&Figure) -> Vec<MeshPart>| -> Vec<[usize; 2]> {
         let of_one = |figure: &Option<Figure>| {
@@ -119,6 +116,6 @@ pub fn surfaces(run: &Run) -> Result<Reply, Refused> {
         figures.iter().map(of_one).collect()
     };
     let (agents, things) = (all(|figure| figure.bodies(false)), all(Figure::things));
-    let (estimated, without) = (run.driven.people.is_none(), without(figures));
+    let (estimated, without) = (of.people.is_none(), without(figures));
     Reply::with(Bodies { agents, things, estimated, without }, bytes)
 }

@@ -1,12 +1,12 @@
 //! A crowd: a scenario -> a Trial.
 
-use crate::base::{Basis, Driven};
+use crate::driven::{Basis, Driven, PlacedCrowd};
+use crate::reply::{told, words};
 use crate::{Refused, room, within};
 use lemons_core::files::source::Memory;
 use lemons_people::CrowdStatistics;
 use lemons_people::placing::Watch;
-use lemons_scenario::{Made, Scenario, ScenarioError, named};
-use serde::Serialize;
+use lemons_scenario::{Made, Scenario};
 use std::path::Path;
 
 /// Largest number of people: what a page can pack and show.
@@ -14,17 +14,6 @@ pub const MOST_PEOPLE: u32 = 5000;
 
 /// Largest seed: the largest integer that a page's numbers hold exactly.
 pub const LARGEST_SEED: u64 = (1 << 53) - 1;
-
-/// How a crowd was placed.
-#[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-pub(crate) struct PlacedCrowd {
-    density: f64,
-    area: f64,
-    iterations: u64,
-    largest_overlap: f64,
-    statistics: CrowdStatistics,
-}
 
 /// Draws people and places them without overlap, as `lemons crowd --seed` does.
 ///
@@ -34,28 +23,6 @@ pub fn crowd(scenario: &Scenario, files: &[(&str, &[u8])], watch: &mut Watch) ->
     let mut memory = Memory::default();
     files.iter().for_each(|(name, file)| memory.put(Path::new(name), file.to_vec()));
     made(scenario, None, &memory, watch)
-}
-
-/// Keys of a scenario, as the page calls them.
-const WORDS: [(&str, &str); 5] = [
-    ("mix", "the mix of kinds"),
-    ("regions", "the region where people are placed"),
-    ("drawing.unit", "length of a unit [m]"),
-    ("drawing.close", "width of a gap [m]"),
-    ("drawing.widest", "width of a gap [m]"),
-];
-
-/// A text about a scenario in words of the page.
-fn words(text: &str) -> String {
-    named(text, |key| Some(WORDS.iter().find(|(own, _)| *own == key)?.1.to_owned())).replace('`', "")
-}
-
-/// An error in words of the page.
-pub fn told(error: ScenarioError) -> Refused {
-    match error {
-        ScenarioError::Toml(what) | ScenarioError::NoRoom { what, .. } => Refused(what),
-        error => Refused(words(&error.to_string())),
-    }
 }
 
 /// Makes a scenario of a file.

@@ -1,6 +1,6 @@
 //! Changes by hand: people are moved, copied, put there, taken away; the walls of a Trial are others.
 
-use crate::base::{Base, Driven};
+use crate::driven::Driven;
 use crate::frame::overlapping;
 use crate::person::PersonRequest;
 use crate::{Refused, require, room, within};
@@ -9,6 +9,7 @@ use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{Agent, AgentDynamics, Interactions, Trial};
 use lemons_people::room::Room;
 use lemons_people::{Disk, PART_MATERIALS, Person, SKINS, Shape, choose_mechanical_step};
+use lemons_scenario::Scenario;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -33,20 +34,20 @@ pub enum Edit {
     Room { room: Box<Room> },
 }
 
-/// Makes the changes one after the other. Contacts that the Trial remembers are forgotten if there are any. A crowd's
+/// Makes the changes one after the other; `crowd` is the scenario of a crowd of the page. Contacts that the Trial remembers are forgotten if there are any. A crowd's
 /// mechanical step is chosen again: whoever is lighter than the others needs a shorter one.
 ///
 /// # Errors
 /// There is nobody with an Id, an Id is there already, nobody would be left, a measure is no person's, or a number is
 /// not finite.
-pub fn edited(mut driven: Driven, edits: &[Edit], base: &Base) -> Result<Driven, Refused> {
+pub fn edited(mut driven: Driven, edits: &[Edit], crowd: Option<&Scenario>) -> Result<Driven, Refused> {
     require(edits.len() <= MOST, || format!("{} changes by hand: at most {MOST}", edits.len()))?;
     for edit in edits {
-        change(&mut driven, edit, base)?;
+        change(&mut driven, edit, crowd)?;
         driven.trial.interactions = Interactions::default();
     }
     require(!driven.trial.agents.is_empty(), || "nobody would be left".into())?;
-    if matches!(base, Base::Crowd(_)) && !edits.is_empty() {
+    if crowd.is_some() && !edits.is_empty() {
         choose_mechanical_step(&mut driven.trial);
     }
     Ok(driven)
@@ -68,7 +69,7 @@ pub fn room_of(edits: &[Edit]) -> Option<&Room> {
 pub fn fitting(
     before: &Driven,
     edits: &[Edit],
-    base: &Base,
+    crowd: Option<&Scenario>,
 ) -> Result<(Driven, BTreeMap<usize, String>), Refused> {
     let mut left_out = BTreeMap::new();
     loop {
@@ -79,12 +80,12 @@ pub fn fitting(
                 continue;
             }
             // What is impossible changes nothing.
-            match change(&mut driven, edit, base) {
+            match change(&mut driven, edit, crowd) {
                 Ok(()) => made.push(edit.clone()),
                 Err(Refused(why)) => _ = left_out.insert(k, why),
             }
         }
-        let driven = edited(before.clone(), &made, base)?;
+        let driven = edited(before.clone(), &made, crowd)?;
         let world = Setup::of(&driven.trial).world()?;
         let put: BTreeSet<&str> = made.iter().filter_map(Edit::put).collect();
         let agents = driven.trial.agents.iter().enumerate().filter(|(_, agent)| put.contains(&*agent.id));
@@ -111,14 +112,14 @@ impl Edit {
     }
 }
 
-fn change(driven: &mut Driven, edit: &Edit, base: &Base) -> Result<(), Refused> {
+fn change(driven: &mut Driven, edit: &Edit, crowd: Option<&Scenario>) -> Result<(), Refused> {
     let place_of = |id: &String| {
         let place = driven.trial.agents.iter().position(|agent| agent.id == *id);
         place.ok_or_else(|| Refused(format!("there is nobody with the Id {id:?}")))
     };
     match edit {
         Edit::Room { room } => {
-            require(!matches!(base, Base::Crowd(_)), || "a crowd has its room already".into())?;
+            require(crowd.is_none(), || "a crowd has its room already".into())?;
             driven.trial.geometry = room::replacing(room, &driven.trial)?;
         }
         Edit::Move { id, x, y, theta } => {
@@ -135,7 +136,7 @@ fn change(driven: &mut Driven, edit: &Edit, base: &Base) -> Result<(), Refused> 
         }
         Edit::Put { id, person, x, y, theta } => {
             let (person, here) = (person.person()?, pose(*x, *y, *theta)?);
-            let round = matches!(base, Base::Crowd(scenario) if scenario.round);
+            let round = crowd.is_some_and(|scenario| scenario.round);
             let (agent, drive) = measured(&driven.trial, &person, round)?;
             put(driven, id, agent, Some(lemons_people::Agent::Pedestrian(person)), drive, here)?;
         }

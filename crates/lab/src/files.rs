@@ -1,6 +1,7 @@
 //! Files to keep: a Trial as a zip, as an FMU; tables, pictures, bodies.
 
-use crate::base::{Driven, split};
+use crate::base::split;
+use crate::driven::Driven;
 use crate::frame::{feet, frame, numbers};
 use crate::run::Run;
 use crate::{Refused, Reply, require};

@@ -11,6 +11,7 @@
 //! - [`person`], [`body`]: one person; bodies in three dimensions, and sections
 //! - [`kinds`]: kinds of people, and what goes along with them
 //! - [`room`], [`crowd`], [`upload`]: where a Trial comes from
+//! - [`driven`]: a Trial, its people, and what drives them
 //! - [`scene`]: what a page draws of it
 //! - [`frame`]: what it keeps of a run, and asks of it; [`map`]: by place; [`limit`]: time above a limit
 //! - [`files`]: files to keep
@@ -20,6 +21,7 @@ pub mod base;
 pub mod body;
 pub mod boundary;
 pub mod crowd;
+pub mod driven;
 pub mod edit;
 pub mod files;
 pub mod frame;
@@ -29,6 +31,7 @@ pub mod map;
 pub mod mechanics;
 pub mod motion;
 pub mod person;
+mod reply;
 pub mod room;
 pub mod run;
 pub mod scene;
@@ -36,12 +39,14 @@ pub mod scene;
 pub mod typescript;
 pub mod upload;
 
-use base::{Base, Basis};
+use base::Base;
+use driven::Basis;
 use lemons_core::trial::Rule;
 use lemons_people::placing::Watch;
 use lemons_sim::lint::{self, Files};
+pub use reply::{Refused, Reply};
+use reply::{require, within};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
@@ -118,49 +123,9 @@ pub struct Shown {
 struct Opened {
     scene: scene::Scene,
     notes: Vec<String>,
-    made: Option<crowd::PlacedCrowd>,
+    made: Option<driven::PlacedCrowd>,
     /// Changes by hand that do not fit: their places, and why.
     left_out: Vec<(usize, String)>,
-}
-
-/// An answer.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Reply {
-    /// The answer as the request describes it.
-    pub value: Value,
-    /// Numbers or a file.
-    pub bytes: Vec<u8>,
-}
-
-impl Reply {
-    fn of(value: impl Serialize) -> Result<Reply, Refused> {
-        Reply::with(value, Vec::new())
-    }
-
-    fn with(value: impl Serialize, bytes: Vec<u8>) -> Result<Reply, Refused> {
-        Ok(Reply { value: serde_json::to_value(value)?, bytes })
-    }
-}
-
-/// Why there is no answer, for the person before the page. Any error becomes one with its message.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Refused(pub String);
-
-impl<E: std::error::Error> From<E> for Refused {
-    fn from(error: E) -> Refused {
-        Refused(error.to_string())
-    }
-}
-
-/// Checks a condition; `message` says what is wrong if it does not hold.
-fn require(holds: bool, message: impl FnOnce() -> String) -> Result<(), Refused> {
-    if holds { Ok(()) } else { Err(Refused(message())) }
-}
-
-/// Checks that a number is in its range. `what` names it, with its unit.
-fn within(what: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Refused> {
-    require((low..=high).contains(&value), || format!("{what} = {value}: must be {low} to {high}"))?;
-    Ok(value)
 }
 
 /// The lab of one page.
@@ -195,10 +160,19 @@ impl Lab {
             Request::Advance { run, steps } => self.present(*run)?.advance(*steps),
             Request::Forces { run, time } => self.present(*run)?.forces(bytes, *time),
             Request::Flow { run, line } => frame::flow(self.present(*run)?.people(), *line, bytes),
-            Request::Map { run, of, fresh } => map::add(self.present(*run)?, *of, *fresh, bytes),
-            Request::Limit(wanted) => limit::add(self, wanted, bytes),
-            Request::Sections { run, altitude } => body::sections(self.present(*run)?, *altitude),
-            Request::Bodies { run } => body::surfaces(self.present(*run)?),
+            Request::Map { run, of, fresh } => {
+                let run = self.present(*run)?;
+                map::add(&mut run.map, &run.driven, *of, *fresh, bytes)
+            }
+            Request::Limit(wanted) => limit::add(&mut self.limits, wanted, bytes),
+            Request::Sections { run, altitude } => {
+                let run = self.present(*run)?;
+                body::sections(&run.driven, run.bodies()?, *altitude)
+            }
+            Request::Bodies { run } => {
+                let run = self.present(*run)?;
+                body::surfaces(&run.driven, run.bodies()?)
+            }
             Request::Take { run, wanted } => files::file(wanted, self.present(*run)?, bytes, watch),
         }
     }
@@ -217,15 +191,15 @@ impl Lab {
         let digest = digest.finish();
         let (base, basis) = match self.basis.take() {
             Some((base, files, basis)) if (&base, files) == (&shown.base, digest) => (base, basis),
-            _ => (shown.base.clone(), base::basis(shown, bytes, watch)?),
+            _ => (shown.base.clone(), shown.base.basis(&shown.tables, bytes, watch)?),
         };
         let (base, _, basis) = &*self.basis.insert((base, digest, basis));
         let before = basis.driven.clone();
         let (mut edited, left_out) = match shown.fitting {
-            true => edit::fitting(&before, &shown.edits, base)?,
-            false => (edit::edited(before, &shown.edits, base)?, BTreeMap::new()),
+            true => edit::fitting(&before, &shown.edits, base.crowd())?,
+            false => (edit::edited(before, &shown.edits, base.crowd())?, BTreeMap::new()),
         };
-        let of_crowd = matches!(base, base::Base::Crowd(_));
+        let of_crowd = base.crowd().is_some();
         let change = |mechanics: &mechanics::Mechanics| mechanics.change(&mut edited.trial, of_crowd);
         let warnings = shown.mechanics.as_ref().map(change).transpose()?;
         let driven = motion::driven(edited, &shown.motion)?;

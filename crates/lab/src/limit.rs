@@ -3,9 +3,10 @@
 //! A page asks a lab of its own, without a run, as it draws. It numbers what it asks about: a run, and one beside it.
 
 use crate::frame::numbers;
-use crate::{Lab, Refused, Reply, require, within};
+use crate::{Refused, Reply, require, within};
 use lemons_results::measure::{Above, Exposure};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// How many are known at a time.
 const MOST: u32 = 4;
@@ -64,7 +65,7 @@ pub struct Known {
 ///
 /// # Errors
 /// The bytes are no frames, or not those that are next.
-pub fn add(lab: &mut Lab, wanted: &LimitRequest, bytes: &[u8]) -> Result<Reply, Refused> {
+pub fn add(limits: &mut BTreeMap<u32, Known>, wanted: &LimitRequest, bytes: &[u8]) -> Result<Reply, Refused> {
     let LimitRequest { number, people, step, limit, over, from } = *wanted;
     require(number < MOST, || format!("number {number}: must be below {MOST}"))?;
     within("communication step [s]", step, [1e-9, 1e9])?;
@@ -73,7 +74,7 @@ pub fn add(lab: &mut Lab, wanted: &LimitRequest, bytes: &[u8]) -> Result<Reply, 
     require(people > 0 && bytes.len().is_multiple_of(8 * people), || {
         format!("{} bytes are not frames of {people} people", bytes.len())
     })?;
-    let mut known = match lab.limits.remove(&number) {
+    let mut known = match limits.remove(&number) {
         _ if from == 0 => {
             Known { of: *wanted, next: 0, exposure: Exposure::new(people, &[limit], Some(over)) }
         }
@@ -90,7 +91,7 @@ pub fn add(lab: &mut Lab, wanted: &LimitRequest, bytes: &[u8]) -> Result<Reply, 
         known.next += 1;
     }
     let all: Option<Vec<Above>> = known.exposure.so_far().iter().map(|one| one.above[0]).collect();
-    lab.limits.insert(number, known);
+    limits.insert(number, known);
     let above = all.map(|all| {
         let first = all.iter().filter_map(|one| one.first);
         let who = (1..people).fold(0, |a, b| if all[b].longest > all[a].longest { b } else { a });

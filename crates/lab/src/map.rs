@@ -1,8 +1,7 @@
 //! Density and squeeze by place, over frames of a run.
 
-use crate::base::Driven;
+use crate::driven::Driven;
 use crate::frame::numbers;
-use crate::run::Run;
 use crate::{Refused, Reply, require};
 use lemons_core::plane::{Bounds, InPlane, Vec2, vec2};
 use lemons_picture::{DENSITY_KERNEL, DensityMap};
@@ -90,16 +89,22 @@ pub(crate) struct Grid {
 ///
 /// # Errors
 /// The bytes are no frames, or they should be added to a map of another quantity.
-pub fn add(run: &mut Run, quantity: Quantity, fresh: bool, bytes: &[u8]) -> Result<Reply, Refused> {
-    let people = run.people();
+pub fn add(
+    of: &mut Option<Map>,
+    driven: &Driven,
+    quantity: Quantity,
+    fresh: bool,
+    bytes: &[u8],
+) -> Result<Reply, Refused> {
+    let people = driven.trial.agents.len();
     require(bytes.len().is_multiple_of(8 * ROW * people), || {
         format!("{} bytes are not frames of {people} people", bytes.len())
     })?;
     // Its sums would have none of the frames before.
-    let others = run.map.as_ref().is_some_and(|map| map.quantity() != quantity);
+    let others = of.as_ref().is_some_and(|map| map.quantity() != quantity);
     require(fresh || !others, || "the run's map is of another quantity: begin a new one".to_owned())?;
-    let kept = run.map.take().filter(|_| !fresh);
-    let mut map = kept.unwrap_or_else(|| Map::of(quantity, &run.driven));
+    let kept = of.take().filter(|_| !fresh);
+    let mut map = kept.unwrap_or_else(|| Map::of(quantity, driven));
     let numbers = numbers(bytes);
     let (rows, _) = numbers.as_chunks::<ROW>();
     for frame in rows.chunks(people) {
@@ -118,6 +123,6 @@ pub fn add(run: &mut Run, quantity: Quantity, fresh: bool, bytes: &[u8]) -> Resu
     };
     let low = view.low + cell * 0.5;
     let grid = Grid { low: low.into(), cell: cell.into(), columns, rows };
-    run.map = Some(map);
+    *of = Some(map);
     Reply::with(grid, values.into_iter().flat_map(f64::to_le_bytes).collect())
 }

@@ -1,7 +1,8 @@
 //! Rooms: an outline, obstacles, further walls, doors. While they are drawn, when they are made, in place of a Trial's
 //! walls, and from a file.
 
-use crate::{Refused, Reply, crowd, require, within};
+use crate::reply::told;
+use crate::{Refused, Reply, require, within};
 use crowd_mechanics::setup::Setup;
 use lemons_core::files::source::Memory;
 use lemons_core::plane::{Bounds, Ring, Vec2};
@@ -249,7 +250,7 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
     })?;
     let (mut doubt, mut proposal) = (None, None);
     let (mut plan, said, layers) = if let Some(format) = Format::of(Path::new(name)) {
-        form.check().map_err(crowd::told)?;
+        form.check().map_err(told)?;
         require(bytes.len() as u64 <= LARGEST_DRAWING, || {
             format!("{name}: more than {} MB", LARGEST_DRAWING / 1_000_000)
         })?;

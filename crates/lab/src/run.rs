@@ -1,7 +1,7 @@
 //! A Trial, moving.
 
-use crate::base::Driven;
 use crate::body;
+use crate::driven::Driven;
 use crate::frame::{self, COLUMNS};
 use crate::map::Map;
 use crate::{Refused, Reply, require};
