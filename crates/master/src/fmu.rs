@@ -6,17 +6,15 @@ use crate::error::{Error, Place, Result, ensure, scratch};
 use crate::file_type::FileType;
 use crate::instance::number;
 use crate::messages::Messages;
-use crate::prepared::driven;
 use crate::ssp::{Allowance, Interface, Kind, LARGEST_TERMINALS, TERMINALS_FILE, Terminal, Type};
-use crate::trial_input::renamed;
-use crate::unzip::{DESCRIPTION_FILE, unzip};
+use crate::unzip::{DESCRIPTION_FILE, renamed, unzip};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use crowd_mechanics::pack::host_directory;
 use crowd_mechanics::quantities;
 use crowd_mechanics::resources::{Resources, ResourcesError};
 use lemons_core::files::source::{Disk, Source};
 use lemons_core::files::{Scratch, input};
-use lemons_core::trial::{DriveChoice, DriveTable, Problems, Trial};
+use lemons_core::trial::{Agent, DriveChoice, DriveTable, Problems, Trial};
 use lemons_fmi::Version;
 use lemons_fmi::location::Location;
 use lemons_sim::settings::{meant, named};
@@ -298,6 +296,15 @@ impl Fmu {
         let found = self.description.variable(name);
         found.is_some_and(|variable| variable.kind == Some(Kind::StructuralParameter))
     }
+}
+
+/// Returns the agents that a drive names, with the names of their inputs.
+pub(crate) fn driven<'a>(
+    agents: &'a [Agent],
+    drive: &'a DriveTable,
+) -> impl Iterator<Item = (&'a Agent, [String; 3])> {
+    let driven = agents.iter().enumerate().filter(|(_, agent)| drive.rows(&agent.id).is_some());
+    driven.map(|(i, agent)| (agent, ["Fp.x", "Fp.y", "Mp"].map(|name| format!("agent[{i}].{name}"))))
 }
 
 /// Where an FMU has the library for this platform.

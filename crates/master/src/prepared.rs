@@ -5,7 +5,7 @@ use crate::assemble::{Assembled, assemble};
 use crate::calls::Instance;
 use crate::error::{Error, Place, Result, ensure};
 use crate::file_type::FileType;
-use crate::fmu::Fmu;
+use crate::fmu::{Fmu, driven};
 use crate::instance::Selection;
 use crate::notes;
 use crate::saved::Saved;
@@ -222,15 +222,6 @@ fn check_saves(system: &System) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// Returns the agents that a drive names, with the names of their inputs.
-pub(crate) fn driven<'a>(
-    agents: &'a [Agent],
-    drive: &'a DriveTable,
-) -> impl Iterator<Item = (&'a Agent, [String; 3])> {
-    let driven = agents.iter().enumerate().filter(|(_, agent)| drive.rows(&agent.id).is_some());
-    driven.map(|(i, agent)| (agent, ["Fp.x", "Fp.y", "Mp"].map(|name| format!("agent[{i}].{name}"))))
 }
 
 /// A drive, into an instance of a crowd.

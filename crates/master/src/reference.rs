@@ -5,9 +5,8 @@ mod layered;
 mod table;
 
 use crate::error::{Place, Result, ensure};
-use crate::fmu::Fmu;
+use crate::fmu::{Fmu, driven};
 use crate::instance::Selection;
-use crate::prepared::driven;
 use crate::ssp::{Interface, Kind, Variable, entry};
 use crowd_mechanics::engine::Wrench;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;

@@ -16,6 +16,7 @@ mod choice;
 mod connect;
 mod document;
 mod interface;
+mod participant;
 mod read;
 mod terminals;
 mod unit;
@@ -23,13 +24,14 @@ mod write;
 
 pub use archive::{Allowance, Archive, write_archive};
 pub(crate) use archive::{ZipFile, entry, open_zip, sound};
-pub use connect::{Connected, Participant, connect};
+pub use connect::{Connected, connect};
 pub(crate) use document::wrong_at;
 pub use document::{
     Component, Connection, Connector, Extent, Kind, Parameter, Port, STRUCTURE_FILE, SystemStructure, Type,
 };
 pub use interface::{CoSimulation, Dimension, Interface, Single, Variable};
 pub(crate) use interface::{place_of, written};
+pub use participant::Participant;
 pub use terminals::Terminal;
 pub(crate) use terminals::{LARGEST_TERMINALS, TERMINALS_FILE};
 pub use unit::{Affine, Unit, UnitOf, conversion};

@@ -4,7 +4,7 @@
 use crate::error::{Error, Place, Result, ensure, scratch};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
-use crate::unzip::unzip_trial;
+use crate::unzip::{renamed, unzip_trial};
 use crowd_mechanics::pack::{Binary, Draw, Format, PackError, Package};
 use crowd_mechanics::setup;
 use lemons_core::files::source::Disk;
@@ -141,16 +141,6 @@ impl TrialInput {
     fn renamed(&self, problems: &Problems) -> Problems {
         renamed(problems, &self.directory, &self.path)
     }
-}
-
-/// Returns problems of files in a directory with the names that they have where the user knows it.
-pub(crate) fn renamed(problems: &Problems, directory: &Path, known: &Path) -> Problems {
-    let mut renamed = Problems::default();
-    for problem in problems.iter() {
-        let inside = problem.file.strip_prefix(directory).map(|inside| known.join(inside));
-        renamed.push(Problem { file: inside.unwrap_or_else(|_| problem.file.clone()), ..problem.clone() });
-    }
-    renamed
 }
 
 /// Reads what a Trial, or the Trial that an FMU contains, is simulated with: as [`TrialInput::documents`]. The mechanics are those of

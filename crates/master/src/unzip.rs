@@ -4,6 +4,7 @@ use crate::error::{Place, Result, ensure};
 use crate::ssp::{Allowance, STRUCTURE_FILE, ZipFile, open_zip, sound};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use lemons_core::files::make_directories;
+use lemons_core::trial::{Problem, Problems};
 use std::ffi::OsStr;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -109,6 +110,16 @@ fn extract(
         allowance.copy(&name, entry, &mut file)?;
     }
     Ok(())
+}
+
+/// Returns problems of files in a directory with the names that they have where the user knows it.
+pub(crate) fn renamed(problems: &Problems, directory: &Path, known: &Path) -> Problems {
+    let mut renamed = Problems::default();
+    for problem in problems.iter() {
+        let inside = problem.file.strip_prefix(directory).map(|inside| known.join(inside));
+        renamed.push(Problem { file: inside.unwrap_or_else(|_| problem.file.clone()), ..problem.clone() });
+    }
+    renamed
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Connections between variables of different names, which a user chooses.
 
 use crate::error::{Error, Result};
-use crate::ssp::Participant;
 use crate::ssp::document::Kind;
+use crate::ssp::participant::Participant;
 use std::collections::HashMap;
 
 /// Stands for the index of each person.

@@ -3,23 +3,11 @@
 use crate::error::{Result, ensure};
 use crate::ssp::choice::Choice;
 use crate::ssp::document::Kind;
-use crate::ssp::interface::{Interface, Single, Variable};
-use crate::ssp::terminals::Terminal;
+use crate::ssp::interface::{Single, Variable};
+use crate::ssp::participant::{End, Pair, Participant, owner};
 use crate::ssp::unit::{Affine, conversion};
 use crate::ssp::write::to_xml;
 use std::collections::HashMap;
-
-/// An FMU to connect.
-pub struct Participant<'a> {
-    /// The component's.
-    pub name: String,
-    /// Where the archive holds the FMU.
-    pub source: String,
-    /// Its variables.
-    pub interface: &'a Interface,
-    /// Its terminals.
-    pub terminals: Vec<Terminal>,
-}
 
 /// The result of connecting.
 pub struct Connected {
@@ -33,22 +21,6 @@ pub struct Connected {
 
 /// The most mistakes of one kind that a message lists.
 const LISTED: usize = 5;
-
-/// A value of the participant at a place.
-pub(super) type End<'a> = (usize, Single<'a>);
-
-/// Returns whose variable it is of, and the name of that.
-pub(super) fn owner<'a>((participant, single): &End<'a>) -> (usize, &'a str) {
-    (*participant, &single.variable.name)
-}
-
-/// Two ends to be connected: single values, or arrays as a whole.
-pub(super) struct Pair<'a> {
-    pub(super) from: End<'a>,
-    pub(super) to: End<'a>,
-    pub(super) whole: bool,
-    name: String,
-}
 
 /// Connects every output of one component to the input of the same name in every other: an array to an array with
 /// the same sizes, else each value by itself. Type and unit must agree; a value without a unit agrees with every unit.

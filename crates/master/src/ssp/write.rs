@@ -1,9 +1,9 @@
 //! FMUs and connections between them -> `SystemStructure.ssd`.
 
 use crate::error::{Result, ensure};
-use crate::ssp::connect::{End, Pair, Participant, owner};
 use crate::ssp::document::{Kind, Type};
 use crate::ssp::interface::{Interface, Variable};
+use crate::ssp::participant::{End, Pair, Participant, owner};
 use crate::ssp::unit::Unit;
 use lemons_core::xml::{Layout, Out, number};
 use lemons_fmi::Version;
