@@ -24,7 +24,7 @@ mod slices;
 mod template;
 
 pub use export::{write_geojson, write_obj, write_stl, write_wkt};
-pub use figure::{Figure, Placed, people_fitting};
+pub use figure::{Figure, Placed, people_fitting, person_fitting};
 pub use landmarks::TORSO_ALTITUDE;
 pub use mesh::{MeshPart, packed};
 pub use sections::{CrowdSection, section};

@@ -4,10 +4,10 @@
 use crate::anthropometry::ansur;
 use crate::error::{PeopleError, Result, require};
 use crate::growth::{AGES, child};
+use crate::materials::PART_MATERIALS;
 use crate::person::{Person, Sex};
 use crate::random::Random;
 use crate::shape::Shape;
-use crate::trial::PART_MATERIALS;
 use lemons_core::distribution::{Distribution, inverse};
 use lemons_core::files::words;
 use lemons_core::plane::{Disk, Vec2, union, vec2};

@@ -15,8 +15,8 @@ mod error;
 mod growth;
 mod kinds;
 mod light_xml;
+mod materials;
 mod person;
-pub mod places;
 pub mod placing;
 mod population;
 mod random;
@@ -30,7 +30,7 @@ pub use anthropometry::{MeasureStatistics, SexStatistics, ansur};
 pub use bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES};
 pub use body3d::{
     Body3d, CrowdSection, Figure, MeshPart, Part, Placed, Polygon, TORSO_ALTITUDE, packed, people_fitting,
-    section, write_geojson, write_obj, write_stl, write_wkt,
+    person_fitting, section, write_geojson, write_obj, write_stl, write_wkt,
 };
 pub use copula::Correlations;
 pub use cover::{Cover, MOST_COVERING, cover};
@@ -42,13 +42,13 @@ pub use lemons_core::distribution::{Distribution, Range, TruncatedNormal};
 pub use lemons_core::plane::is_closed;
 pub use lemons_core::plane::{Disk, Moments};
 pub use light_xml::light_xml;
+pub use materials::{PART_MATERIALS, SKINS, materials, paper_materials};
 pub use person::{Measure, Person, Sex};
 pub use population::{Agent, CustomMeasures, Population, Proportions, Source, Statistics};
 pub use shape::Shape;
 pub use survey::Survey;
 pub use table::{CrowdStatistics, KindStatistics, Summary, crowd_csv};
 pub use trial::{
-    PART_MATERIALS, SKINS, TRIAL_FILES, TrialSettings, choose_mechanical_step, crowd_trial, heading,
-    materials, may_write, mechanical_step_for, paper_materials, walls, write_trial, write_trial_zip,
-    zip_trial,
+    TRIAL_FILES, TrialSettings, choose_mechanical_step, crowd_trial, heading, may_write, mechanical_step_for,
+    walls, write_trial, write_trial_zip, zip_trial,
 };

@@ -1,11 +1,6 @@
 //! A person, described by four measures.
 
-use crate::anthropometry::ansur;
 use crate::error::{Result, require};
-use crate::shape::bounds;
-use crate::trial::PART_MATERIALS;
-use lemons_core::plane::{Disk, vec2};
-use lemons_core::trial::Agent;
 use serde::{Deserialize, Serialize};
 
 /// Sex, which selects the statistics.
@@ -91,24 +86,7 @@ pub struct Person {
     pub mass: f64,
 }
 
-/// \[m\] Stature of somebody whose height is not known.
-const USUAL_STATURE: f64 = 1.75;
-
 impl Person {
-    /// A person whose measures fit an agent of a Trial: the extents of its disks, without those of things that go along,
-    /// are breadth and depth; of somebody who has none, those of the mean man. The sex cannot be known: it is taken for a
-    /// man.
-    pub fn fitting(agent: &Agent) -> Person {
-        let disks = agent.disks_facing_x().into_iter().zip(&agent.shapes);
-        let own = disks.filter(|(_, shape)| !PART_MATERIALS.contains(&&*shape.material_id));
-        let own: Vec<Disk> = own.map(|((centre, radius), _)| Disk { radius, centre }).collect();
-        let [breadth, depth, ..] = ansur(Sex::Male).measures.each_ref().map(|measure| measure.mean);
-        let size = if own.is_empty() { vec2(depth, breadth) } else { bounds(own.into_iter()).size() };
-        let (depth, breadth) = (size.x, size.y);
-        let stature = agent.height.unwrap_or(USUAL_STATURE);
-        Person { sex: Sex::Male, breadth, depth: depth.min(breadth), stature, mass: agent.mass }
-    }
-
     /// Makes a person from measures in the order of [`Measure::ALL`].
     pub fn from_measures(sex: Sex, [breadth, depth, stature, mass]: [f64; 4]) -> Person {
         Person { sex, breadth, depth, stature, mass }

@@ -6,18 +6,15 @@
 
 use crate::error::{Result, require};
 use crate::kinds::BodyDisk;
+use crate::materials::{SKINS, materials, paper_materials};
 use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
-use lemons_core::files::source::Memory;
 use lemons_core::files::{Staged, WriteError};
 use lemons_core::plane::{Motion, Pose, Ring, Vec2, rotation, vec2};
-use lemons_core::trial::{
-    Agent, AgentDynamics, Contact, Geometry, Interactions, Material, Materials, Parameters, Trial, Wall,
-};
+use lemons_core::trial::{Agent, AgentDynamics, Geometry, Interactions, Materials, Parameters, Trial, Wall};
 use std::collections::HashSet;
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
@@ -42,67 +39,6 @@ impl Default for TrialSettings {
     fn default() -> TrialSettings {
         TrialSettings { time_step: 0.01, people: "human_naked".into(), desired_velocity: Vec2::zeros() }
     }
-}
-
-/// Returns `Materials.xml` of the paper's App. C: concrete, people with clothes and without.
-pub fn paper_materials() -> Materials {
-    static PAPER: LazyLock<Materials> = LazyLock::new(|| {
-        let (mut files, name) = (Memory::default(), Path::new("Materials.xml"));
-        let text = include_bytes!("../../../resources/Trial_push/static/Materials.xml");
-        files.put(name, text.to_vec());
-        Materials::read_from(&files, name).expect("the committed file is right, tests read it").0
-    });
-    PAPER.clone()
-}
-
-/// Ids of the [`materials`] that people can have.
-pub const SKINS: [&str; 3] = ["human_naked", "human_clothes", SOFT];
-
-/// Id of the material of people with a softer chest. Only a Trial that uses it has it in its `Materials.xml`.
-const SOFT: &str = "human_soft";
-
-/// Ids of the [`materials`] of what goes along with people.
-pub const PART_MATERIALS: [&str; 2] = [FRAME, LUGGAGE];
-const FRAME: &str = "frame";
-const LUGGAGE: &str = "luggage";
-
-/// Returns the materials that people, walls and things can have: [`paper_materials`], `human_soft`, `frame`, `luggage`.
-///
-/// `frame` (wheelchairs, walkers, strollers) and `luggage` are assumptions, no source gives them: a frame on its tyres
-/// is as stiff as the paper's people without clothes, and luggage ten times softer; both have the damping of clothes.
-/// docs/people.md says how much results depend on it.
-///
-/// E and G of `human_soft` are the paper's for people without clothes, divided by 138: k_n is 18.2 kN/m between two
-/// people, as soft as two chests, and a weak push runs through a row of people of 80 kg and 25 cm at 0.25 m √(k_n/m) =
-/// 3.8 m/s. The damping is γ_n = 2 ζ √(k_n m\*), ζ = −ln e / √(π² + ln² e), for two people of 80 kg with the restitution
-/// e = 0.3, while one pair of disks touches. Of a contact with a wall of concrete, k_n and m\* are twice as large, and so
-/// is γ_n. Assumptions: e, γ_t = γ_n as in the paper, the friction of people without clothes, and that γ_n with the paper's
-/// people is that with concrete (their m\* is not twice as large: 849 would be the same e). `docs/guide/squeeze.md` has
-/// the sources.
-pub fn materials() -> Materials {
-    let Materials { mut intrinsic, mut binary } = paper_materials();
-    intrinsic.push(Material { id: SOFT.into(), young_modulus: 2.9e4, shear_modulus: 1e4 });
-    let others = [
-        ("concrete", 1200.0, 0.5),
-        ("human_clothes", 1200.0, 0.5),
-        ("human_naked", 1200.0, 0.4),
-        (SOFT, 600.0, 0.4),
-    ];
-    let contact = |one: &str, other: &str, gamma, kinetic_friction| Contact {
-        id1: one.into(),
-        id2: other.into(),
-        gamma_normal: gamma,
-        gamma_tangential: gamma,
-        kinetic_friction,
-    };
-    binary.extend(others.map(|(other, gamma, friction)| contact(other, SOFT, gamma, friction)));
-    for (id, young_modulus, shear_modulus) in [(FRAME, 4e6, 1_379_310.3), (LUGGAGE, 4e5, 137_931.03)] {
-        for other in intrinsic.iter().map(|material| &*material.id).chain([id]) {
-            binary.push(contact(other, id, 1300.0, if other == "concrete" { 0.5 } else { 0.4 }));
-        }
-        intrinsic.push(Material { id: id.into(), young_modulus, shear_modulus });
-    }
-    Materials { intrinsic, binary }
 }
 
 /// Returns closed walls \[m\] of one material: the outline of a region, then its holes. Its dimensions are those of the
@@ -403,7 +339,7 @@ mod tests {
         assert_eq!(agent.moment_of_inertia, member.inertia);
         assert!(agent.shapes.iter().all(|disk| disk.material_id == "frame"));
         // The chair is no part of the person in it.
-        let fitting = Person::fitting(agent);
+        let fitting = crate::person_fitting(agent);
         assert!((0.4..0.6).contains(&fitting.breadth) && fitting.depth < 0.3, "{fitting:?}");
         let ids: Vec<&str> = read.materials.intrinsic.iter().map(|material| &*material.id).collect();
         assert_eq!(ids, ["concrete", "human_clothes", "human_naked", "frame"]);
@@ -413,10 +349,10 @@ mod tests {
 
     #[test]
     fn the_softer_chest_is_there_on_request() {
-        let people = SOFT.to_owned();
+        let people = SKINS[2].to_owned();
         let soft = two(&TrialSettings { people, ..TrialSettings::default() }).unwrap();
         let Materials { mut intrinsic, mut binary } = materials();
-        let is_part = |id: &String| PART_MATERIALS.contains(&&**id);
+        let is_part = |id: &String| crate::PART_MATERIALS.contains(&&**id);
         intrinsic.retain(|material| !is_part(&material.id));
         binary.retain(|contact| !is_part(&contact.id1) && !is_part(&contact.id2));
         assert_eq!(soft.materials, Materials { intrinsic, binary });

@@ -4,13 +4,14 @@
 //! `data/kinds.toml`. Closed surfaces may overlap here: thighs begin within the trunk, wheels in their axles.
 
 use super::{Body3d, MeshPart, Polygon};
+use crate::anthropometry::ansur;
 use crate::error::Result;
 use crate::growth::child;
 use crate::kinds::{Kind, Kinds, Origin, Part, Solid};
+use crate::materials::PART_MATERIALS;
 use crate::person::{Person, Sex};
 use crate::population::Agent;
 use crate::shape::{Shape, bounds};
-use crate::trial::PART_MATERIALS;
 use lemons_core::plane::{Disk, Pose, Vec2, rotation, vec2};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -49,14 +50,14 @@ impl Figure {
     }
 
     /// Makes a figure that fits an agent of a Trial: of [`people_fitting`], or, of no kind that there is, of
-    /// [`Person::fitting`].
+    /// [`person_fitting`].
     ///
     /// # Errors
     /// No body fits the disks.
     pub fn fitting(agent: &lemons_core::trial::Agent) -> Result<Figure> {
         match people_fitting(agent) {
             Some((kind, people)) => Figure::new(Some(kind), &people),
-            None => Figure::new(None, &[(Person::fitting(agent), Vec2::zeros())]),
+            None => Figure::new(None, &[(person_fitting(agent), Vec2::zeros())]),
         }
     }
 
@@ -140,8 +141,25 @@ fn plain(name: &str) -> String {
 /// People of one body, with their places \[m\].
 pub type Placed = Vec<(Person, Vec2)>;
 
+/// \[m\] Stature of somebody whose height is not known.
+const USUAL_STATURE: f64 = 1.75;
+
+/// A person whose measures fit an agent of a Trial: the extents of its disks, without those of things that go along,
+/// are breadth and depth; of somebody who has none, those of the mean man. The sex cannot be known: it is taken for a
+/// man.
+pub fn person_fitting(agent: &lemons_core::trial::Agent) -> Person {
+    let disks = agent.disks_facing_x().into_iter().zip(&agent.shapes);
+    let own = disks.filter(|(_, shape)| !PART_MATERIALS.contains(&&*shape.material_id));
+    let own: Vec<Disk> = own.map(|((centre, radius), _)| Disk { radius, centre }).collect();
+    let [breadth, depth, ..] = ansur(Sex::Male).measures.each_ref().map(|measure| measure.mean);
+    let size = if own.is_empty() { vec2(depth, breadth) } else { bounds(own.into_iter()).size() };
+    let (depth, breadth) = (size.x, size.y);
+    let stature = agent.height.unwrap_or(USUAL_STATURE);
+    Person { sex: Sex::Male, breadth, depth: depth.min(breadth), stature, mass: agent.mass }
+}
+
 /// Returns the kind of an agent of a Trial, and the people that fit its disks, with their places \[m\]: the person, whose
-/// measures are those of [`Person::fitting`], and a child at its hand. `None` if there is no such kind, or if the disks are
+/// measures are those of [`person_fitting`], and a child at its hand. `None` if there is no such kind, or if the disks are
 /// not those of the kind.
 pub fn people_fitting(agent: &lemons_core::trial::Agent) -> Option<(Arc<Kind>, Placed)> {
     static KINDS: LazyLock<Option<Kinds>> = LazyLock::new(|| Kinds::built_in().ok());
@@ -157,7 +175,7 @@ fn people_of(kind: &Kind, agent: &lemons_core::trial::Agent) -> Option<Placed> {
         disks.into_iter().map(|((centre, radius), _)| Disk { radius, centre }).collect::<Vec<Disk>>()
     });
     let carried: f64 = kind.parts.iter().map(|part| part.mass.quantile(0.5)).sum();
-    let fitting = Person::fitting(agent);
+    let fitting = person_fitting(agent);
     let mass = (agent.mass - carried).max(0.5 * agent.mass);
     if kind.seated {
         let first = kind.parts.first()?.disks.first()?;

@@ -2,11 +2,14 @@
 
 use super::Line;
 use super::join::SAME;
-use super::plan::{MOST_CORNERS, Role, corners};
+use super::role::Role;
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::overlay::{self, Contour, Fill, contour, difference};
 use lemons_core::plane::{Polygon, Ring, Vec2, ground, parts, sides_that_meet};
 
+/// Largest number of corners of areas that may meet, and of walls of which the area is calculated: some of it takes the
+/// square of this. People are placed among no more.
+pub(super) const MOST_CORNERS: usize = 10_000;
 /// \[m\] Areas that are no further apart along their sides are one. Corners that are rounded to a centimetre are up to
 /// 1.4 cm away from a side that they are on.
 pub(super) const TOUCH: f64 = 0.015;
@@ -155,4 +158,12 @@ fn within(drawn: &[Drawn]) -> Vec<String> {
         })
     };
     drawn.iter().filter(|own| own.ground && is_within(own)).map(|own| own.entity.clone()).collect()
+}
+
+pub(super) fn corners(line: Line) -> Vec<Vec2> {
+    let mut corners = line.corners;
+    if line.closed && corners.len() > 2 {
+        corners.push(corners[0]);
+    }
+    corners
 }

@@ -3,6 +3,7 @@
 //! Pieces of walls are mended, gaps are closed, and what they cut the plane into is looked at: what is as thin as a wall
 //! is one, what lies around everything is outside, the rest are rooms. Gaps between rooms join them.
 
+use super::gap::{Gap, Leads};
 use super::pieces::{Grid, Mended, Piece, SNAP};
 use super::swings::Swing;
 use crate::error::{Result, require};
@@ -11,8 +12,6 @@ use lemons_core::plane::{Bounds, InPlane, Ring, Vec2, vec2};
 
 /// \[m\] Two parallel lines at such a distance are a wall.
 pub const THICKNESS: [f64; 2] = [0.05, 0.4];
-/// \[m\] Gaps of such widths may be doors.
-pub const DOOR: [f64; 2] = [0.6, 3.0];
 /// \[m\] Wider gaps are not looked for.
 const FARTHEST_END: f64 = 8.0;
 /// \[m\] Rounding of thicknesses.
@@ -29,51 +28,6 @@ const MOST_LOOKS: usize = 100_000_000;
 const MOST_JOINS: usize = 500;
 /// \[m\] How far a swing may be from its gap.
 const SWING_OFF: f64 = 0.45;
-
-/// What is beyond a gap.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Leads {
-    /// From the room to what is outside.
-    Outside,
-    /// From room to room.
-    Inside,
-    /// From the room to another, which is not part of it.
-    Elsewhere,
-}
-
-/// A gap between ends of walls.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Gap {
-    /// \[m\] On the side of the room.
-    pub ends: [Vec2; 2],
-    /// Where it leads.
-    pub leads: Leads,
-    /// Number of leaves.
-    pub leaves: usize,
-    /// Whether lines run from end to end, as those of a window.
-    pub crossed: bool,
-    /// Whether there is a gap: else the lines of the wall run through, and a swing is drawn on it.
-    pub open: bool,
-    /// \[m\] The ground in the wall.
-    pub(super) quad: [Vec2; 4],
-}
-
-impl Gap {
-    /// Returns its middle \[m\].
-    pub fn at(&self) -> Vec2 {
-        (self.ends[0] + self.ends[1]) * 0.5
-    }
-
-    /// Returns its width \[m\].
-    pub fn width(&self) -> f64 {
-        (self.ends[1] - self.ends[0]).norm()
-    }
-
-    /// Returns whether it can be a door, without a doubt.
-    pub fn is_door(&self) -> bool {
-        (DOOR[0] - SNAP..=DOOR[1] + SNAP).contains(&self.width()) && (!self.crossed || self.leaves > 0)
-    }
-}
 
 /// What walls enclose.
 #[derive(Debug, Clone, PartialEq)]

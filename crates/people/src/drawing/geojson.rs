@@ -1,7 +1,7 @@
 //! GeoJSON -> lines. Coordinates are those of a plane, not longitude and latitude.
 
 use super::curve::Affine;
-use super::plan::Role;
+use super::role::Role;
 use super::{Line, Reading, Tracer, UnitFrom, check_name};
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::{Vec2, vec2};

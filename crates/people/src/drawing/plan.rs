@@ -1,14 +1,16 @@
 //! What lines of a drawing mean: walls, exits, where people stand, way-points.
 
-use super::areas::{Areas, areas};
+use super::areas::{Areas, MOST_CORNERS, areas, corners};
 use super::collinear::without_overlaps;
+use super::enclosing::{Enclosing, taken};
 use super::join::{Joined, join, without_doubles};
-use super::proposal::{self, Enclosing};
+use super::place::Place;
+use super::role::Role;
 use super::{Drawing, Line, is_same, some_of};
 use crate::error::{PeopleError, Result, require};
 use crate::placing::{FARTHEST, Region};
 use crate::{Door, closed_walls, is_closed};
-use lemons_core::plane::{Bounds, Ring, Vec2, nearest_on_segment, vec2};
+use lemons_core::plane::{Bounds, Ring, Vec2, nearest_on_segment};
 use lemons_core::trial::{Geometry, Wall};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,102 +18,10 @@ use std::collections::{BTreeMap, BTreeSet};
 const SMALLEST_AREA: f64 = 1e-6;
 /// Largest number of exits, of distributions, of way-points.
 const MOST_PLACES: usize = 1000;
-/// Largest number of corners of areas that may meet, and of walls of which the area is calculated: some of it takes the
-/// square of this. People are placed among no more.
-pub(super) const MOST_CORNERS: usize = 10_000;
 /// \[m\] An exit that is nowhere further from a wall lies on it.
 const ON_A_WALL: f64 = 0.05;
 /// \[m\] Nor does anybody get to one that is nowhere further from it: no centre of a body does.
 const AT_A_WALL: f64 = 0.2;
-
-/// What is on a layer, as its name says: `walkablearea-…`, `obstacles-…`, `exits-…`, `distributions-…`, `waypoints-…`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Role {
-    /// Outlines of where people walk.
-    WalkableArea,
-    /// What stands there.
-    Obstacle,
-    /// Lines or areas where people leave.
-    Exit,
-    /// Areas where people are placed.
-    Distribution,
-    /// Places to go to.
-    Waypoint,
-    /// What JuPedSim has besides, such as journeys: it is left out.
-    Unused,
-}
-
-const PLURALS: [(&str, Role); 9] = [
-    ("walkablearea", Role::WalkableArea),
-    ("walkable_area", Role::WalkableArea),
-    ("walkable-area", Role::WalkableArea),
-    ("walkable area", Role::WalkableArea),
-    ("obstacles", Role::Obstacle),
-    ("exits", Role::Exit),
-    ("distributions", Role::Distribution),
-    ("waypoints", Role::Waypoint),
-    ("journeys", Role::Unused),
-];
-const SINGULARS: [(&str, Role); 4] = [
-    ("obstacle", Role::Obstacle),
-    ("exit", Role::Exit),
-    ("distribution", Role::Distribution),
-    ("waypoint", Role::Waypoint),
-];
-
-impl Role {
-    /// Returns the role that the name of a layer of a CAD program says, as `of_name`. What drawings in drawings put
-    /// before a name is passed over: `plan$0$exits-0`, `plan|exits-0`, and of numbers `0 - exits-0`.
-    pub fn of(layer: &str) -> Option<(Role, String)> {
-        const BEFORE: [&str; 6] = ["$", "|", "::", "/", "\\", " - "];
-        let layer = layer.trim();
-        let is_number = |before: &str| before.trim().bytes().all(|byte| byte.is_ascii_digit());
-        let ends = BEFORE.iter().flat_map(|sign| layer.match_indices(sign));
-        let ends = ends.filter(|(at, sign)| *sign != " - " || is_number(&layer[..*at]));
-        let mut begins: Vec<usize> =
-            std::iter::once(0).chain(ends.map(|(at, sign)| at + sign.len())).collect();
-        begins.sort_unstable();
-        begins.into_iter().find_map(|begin| Role::of_name(&layer[begin..]))
-    }
-
-    /// Returns the role that a name says, in any case, and the rest of the name. Singular words are meant only alone, or
-    /// before a number: a layer of exit signs has no exits. `jps-` of JuPedSim, all of whose layers have a role, may be
-    /// before it.
-    pub(super) fn of_name(layer: &str) -> Option<(Role, String)> {
-        let layer = layer.trim();
-        // The longer ones as in example drawings of JuPedSim of 2023.
-        let sign = ["jps-", "jps_", "jps ", "jupedsim_", "jupedsim-"]
-            .into_iter()
-            .find(|sign| layer.get(..sign.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(sign)));
-        let layer = &layer[sign.map_or(0, str::len)..];
-        let rest = |word: &str| {
-            let begin = layer.get(..word.len()).filter(|begin| begin.eq_ignore_ascii_case(word))?;
-            let rest = &layer[begin.len()..];
-            let named = rest.trim_start_matches(['-', '_', ' ', '.', ':']);
-            let parted = named.len() < rest.len()
-                || named.is_empty()
-                || named.starts_with(|c: char| c.is_ascii_digit());
-            parted.then(|| named.to_owned())
-        };
-        let plural = PLURALS.iter().find_map(|(word, role)| Some((*role, rest(word)?)));
-        let number = |name: &String| name.chars().all(|c| c.is_ascii_digit());
-        let singular = || SINGULARS.iter().find_map(|(word, role)| Some((*role, rest(word).filter(number)?)));
-        let unknown = || sign.filter(|sign| sign.len() == 4).map(|_| (Role::Unused, layer.to_owned()));
-        plural.or_else(singular).or_else(unknown)
-    }
-
-    /// Returns the beginning of the layers' names.
-    pub fn layer(self) -> &'static str {
-        match self {
-            Role::WalkableArea => "walkablearea",
-            Role::Obstacle => "obstacles",
-            Role::Exit => "exits",
-            Role::Distribution => "distributions",
-            Role::Waypoint => "waypoints",
-            Role::Unused => "journeys",
-        }
-    }
-}
 
 /// How a drawing becomes a plan.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -132,56 +42,6 @@ impl Settings {
         let enclosing = self.enclosing.as_ref().map(|how| how.parted(drawing));
         Settings { walls: drawing.layers(&self.walls), enclosing, ..self.clone() }
     }
-}
-
-/// A place with a name.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Place {
-    /// No two of a kind have the same.
-    pub name: String,
-    /// \[m\] One is a point, two are a line, more are an area.
-    pub corners: Vec<Vec2>,
-}
-
-impl Place {
-    /// Returns its middle \[m\], and how far its sides are from there; none of a point. Where the middle of an area lies
-    /// outside, or close to a side, it is another place inside.
-    pub fn middle(&self) -> (Vec2, Option<f64>) {
-        let bounds = Bounds::of(self.corners.iter().copied()).unwrap_or(Bounds::UNIT);
-        let middle = (bounds.low + bounds.high) * 0.5;
-        let ring = Ring::through(self.corners.clone()).filter(|_| self.corners.len() > 2);
-        let Some(ring) = ring else { return (middle, None) };
-        let distance = |at: Vec2| if ring.contains(at) { ring.nearest(at).distance } else { 0.0 };
-        let best = |a: (Vec2, f64), b: (Vec2, f64)| if b.1 > a.1 { b } else { a };
-        let inner = inner_places(&ring).map(|at| (at, distance(at))).fold((middle, 0.0), best);
-        let own = (middle, distance(middle));
-        let (middle, distance) = if own.1 > 0.2 * inner.1 { own } else { inner };
-        (middle, (distance > 0.0).then_some(distance))
-    }
-}
-
-/// Returns places inside a ring: of lines through it in both directions, the middle of the longest part inside.
-fn inner_places(ring: &Ring) -> impl Iterator<Item = Vec2> {
-    const LINES: u32 = 32;
-    let Bounds { low, high } = ring.bounds();
-    let parts = (0..LINES).map(|k| (f64::from(k) + 0.5) / f64::from(LINES));
-    let lines = parts.flat_map(|part| [(part, false), (part, true)]);
-    lines.filter_map(move |(part, upright)| {
-        // Along the line, and across it.
-        let split = |p: Vec2| if upright { (p.y, p.x) } else { (p.x, p.y) };
-        let (from, to) = (split(low).1, split(high).1);
-        let level = from + (to - from) * part;
-        let crossing = |(a, b): (Vec2, Vec2)| {
-            let ((a, from), (b, to)) = (split(a), split(b));
-            ((from > level) != (to > level)).then(|| a + (b - a) * ((level - from) / (to - from)))
-        };
-        let mut places: Vec<f64> = ring.sides().filter_map(crossing).collect();
-        places.sort_by(f64::total_cmp);
-        let inside = places.chunks_exact(2).map(|ends| (ends[0], ends[1]));
-        let (a, b) = inside.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))?;
-        let along = 0.5 * (a + b);
-        Some(if upright { vec2(level, along) } else { vec2(along, level) })
-    })
 }
 
 /// A room, and what is in it.
@@ -226,7 +86,7 @@ impl Plan {
         check_layers(&settings.walls, &lines, &left_out)?;
         let mut mended = Vec::new();
         if let Some(how) = &settings.enclosing {
-            (lines, mended) = proposal::taken(lines, &settings.walls, settings.close, how)?;
+            (lines, mended) = taken(lines, &settings.walls, settings.close, how)?;
         }
         let says = |role: Role| lines.iter().any(|line| line.has(role));
         let named_areas = says(Role::WalkableArea) || says(Role::Obstacle);
@@ -485,14 +345,6 @@ fn check_layers(
             )))
         }
     }
-}
-
-pub(super) fn corners(line: Line) -> Vec<Vec2> {
-    let mut corners = line.corners;
-    if line.closed && corners.len() > 2 {
-        corners.push(corners[0]);
-    }
-    corners
 }
 
 /// Returns places with names of which no two are equal: those that are, or that are missing, get a number.

@@ -1,10 +1,10 @@
 //! A drawing that was read, and what is said of it.
 
 use super::areas::TOUCH;
-use super::proposal;
 use super::{
     Drawing, Format, Place, Plan, PlanSettings, Reading, Role, UNITS, UnitFrom, WIDEST_GAP, left_out, some_of,
 };
+use super::{doubt, places};
 use crate::error::Result;
 use crate::is_closed;
 use crate::placing::FARTHEST;
@@ -60,10 +60,10 @@ impl Read {
         }
         let (deviation, close) = (reading.deviation, settings.close);
         // Who names walls knows that no frame is among them.
-        let notes = settings.walls.is_empty().then(|| proposal::notes(&drawing.lines));
+        let notes = settings.walls.is_empty().then(|| doubt::notes(&drawing.lines));
         let plan = Plan::of(drawing, settings)?;
         let is_said = settings.enclosing.is_some() || has_areas || plan.ground.is_some();
-        let doubt = (!is_said).then(|| proposal::doubt(&plan, notes.as_ref())).flatten();
+        let doubt = (!is_said).then(|| doubt::doubt(&plan, notes.as_ref())).flatten();
         let layers = layers.into_iter().filter(|(_, role)| role.is_none()).map(|(layer, _)| layer).collect();
         Ok(Read { plan, layers, doubt, format, unit, unit_from, curves, deviation, close })
     }
@@ -146,7 +146,7 @@ impl Read {
                 ),
             ));
         }
-        said.extend(crate::places::doubts(plan).into_iter().map(|doubt| ("warning", doubt)));
+        said.extend(places::doubts(plan).into_iter().map(|doubt| ("warning", doubt)));
         let kinds = plan.left_out.len();
         said.extend(plan.left_out.iter().take(MOST_LEFT_OUT).map(|kind| ("left out", left_out(kind))));
         if kinds > MOST_LEFT_OUT {

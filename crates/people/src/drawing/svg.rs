@@ -1,7 +1,7 @@
 //! SVG -> lines. Groups are layers; the y axis is turned upwards, the lower left corner of the page is the origin.
 
 use super::curve::{Affine, Arc, bezier, by_ends, check_length};
-use super::plan::Role;
+use super::role::Role;
 use super::{Line, Reading, Tracer, check_name};
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::overlay::{self, Contour, Fill, contour};

@@ -1,8 +1,11 @@
 //! A plan -> GeoJSON, well-known text or DXF, as [`Drawing::read`](super::Drawing::read) reads them.
 
 use super::Format;
+use super::areas::MOST_CORNERS;
 use super::areas::{MOST_MADE, TOUCH};
-use super::plan::{MOST_CORNERS, Place, Plan, Role};
+use super::place::Place;
+use super::plan::Plan;
+use super::role::Role;
 use crate::is_closed;
 use lemons_core::plane::overlay::{Fill, contour, intersection, ring};
 use lemons_core::plane::{Bounds, Polygon, Ring, Vec2, ground, vec2};

@@ -1,6 +1,7 @@
 //! Places of a drawn room that nobody can be at, or get to, in words.
 
-use crate::drawing::{Place, Plan};
+use super::place::Place;
+use super::plan::Plan;
 use crate::{closed_walls, is_closed};
 use lemons_core::plane::overlay::{self, Contour, Fill, contour, intersection, ring};
 use lemons_core::plane::{Ring, Vec2};

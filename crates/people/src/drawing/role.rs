@@ -1,0 +1,90 @@
+//! What is on a layer, as its name says.
+
+/// What is on a layer, as its name says: `walkablearea-…`, `obstacles-…`, `exits-…`, `distributions-…`, `waypoints-…`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Role {
+    /// Outlines of where people walk.
+    WalkableArea,
+    /// What stands there.
+    Obstacle,
+    /// Lines or areas where people leave.
+    Exit,
+    /// Areas where people are placed.
+    Distribution,
+    /// Places to go to.
+    Waypoint,
+    /// What JuPedSim has besides, such as journeys: it is left out.
+    Unused,
+}
+
+const PLURALS: [(&str, Role); 9] = [
+    ("walkablearea", Role::WalkableArea),
+    ("walkable_area", Role::WalkableArea),
+    ("walkable-area", Role::WalkableArea),
+    ("walkable area", Role::WalkableArea),
+    ("obstacles", Role::Obstacle),
+    ("exits", Role::Exit),
+    ("distributions", Role::Distribution),
+    ("waypoints", Role::Waypoint),
+    ("journeys", Role::Unused),
+];
+const SINGULARS: [(&str, Role); 4] = [
+    ("obstacle", Role::Obstacle),
+    ("exit", Role::Exit),
+    ("distribution", Role::Distribution),
+    ("waypoint", Role::Waypoint),
+];
+
+impl Role {
+    /// Returns the role that the name of a layer of a CAD program says, as `of_name`. What drawings in drawings put
+    /// before a name is passed over: `plan$0$exits-0`, `plan|exits-0`, and of numbers `0 - exits-0`.
+    pub fn of(layer: &str) -> Option<(Role, String)> {
+        const BEFORE: [&str; 6] = ["$", "|", "::", "/", "\\", " - "];
+        let layer = layer.trim();
+        let is_number = |before: &str| before.trim().bytes().all(|byte| byte.is_ascii_digit());
+        let ends = BEFORE.iter().flat_map(|sign| layer.match_indices(sign));
+        let ends = ends.filter(|(at, sign)| *sign != " - " || is_number(&layer[..*at]));
+        let mut begins: Vec<usize> =
+            std::iter::once(0).chain(ends.map(|(at, sign)| at + sign.len())).collect();
+        begins.sort_unstable();
+        begins.into_iter().find_map(|begin| Role::of_name(&layer[begin..]))
+    }
+
+    /// Returns the role that a name says, in any case, and the rest of the name. Singular words are meant only alone, or
+    /// before a number: a layer of exit signs has no exits. `jps-` of JuPedSim, all of whose layers have a role, may be
+    /// before it.
+    pub(super) fn of_name(layer: &str) -> Option<(Role, String)> {
+        let layer = layer.trim();
+        // The longer ones as in example drawings of JuPedSim of 2023.
+        let sign = ["jps-", "jps_", "jps ", "jupedsim_", "jupedsim-"]
+            .into_iter()
+            .find(|sign| layer.get(..sign.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(sign)));
+        let layer = &layer[sign.map_or(0, str::len)..];
+        let rest = |word: &str| {
+            let begin = layer.get(..word.len()).filter(|begin| begin.eq_ignore_ascii_case(word))?;
+            let rest = &layer[begin.len()..];
+            let named = rest.trim_start_matches(['-', '_', ' ', '.', ':']);
+            let parted = named.len() < rest.len()
+                || named.is_empty()
+                || named.starts_with(|c: char| c.is_ascii_digit());
+            parted.then(|| named.to_owned())
+        };
+        let plural = PLURALS.iter().find_map(|(word, role)| Some((*role, rest(word)?)));
+        let number = |name: &String| name.chars().all(|c| c.is_ascii_digit());
+        let singular = || SINGULARS.iter().find_map(|(word, role)| Some((*role, rest(word).filter(number)?)));
+        let unknown = || sign.filter(|sign| sign.len() == 4).map(|_| (Role::Unused, layer.to_owned()));
+        plural.or_else(singular).or_else(unknown)
+    }
+
+    /// Returns the beginning of the layers' names.
+    pub fn layer(self) -> &'static str {
+        match self {
+            Role::WalkableArea => "walkablearea",
+            Role::Obstacle => "obstacles",
+            Role::Exit => "exits",
+            Role::Distribution => "distributions",
+            Role::Waypoint => "waypoints",
+            Role::Unused => "journeys",
+        }
+    }
+}
