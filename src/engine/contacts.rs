@@ -3,7 +3,6 @@
 use super::contact_events::ImpulseCorrection;
 use super::contact_geometry::{ContactForce, ContactGeometry, Instant};
 use super::contact_law::{Relaxation, SpringHistory, normal_force, react};
-use super::exposure::greater;
 use super::near_pairs::{AT_ONCE, DiskPair, FacePair, NearPairs, Overlapping, Separation, Spring};
 use super::overlap::{Proximity, proximity};
 use super::wall_contacts::WallContacts;
@@ -82,6 +81,12 @@ pub(super) struct Load {
     pub squeeze: f64,
     /// \[m\] The deepest overlap.
     pub depth: f64,
+}
+
+/// Returns the greater number, the first one if the second is not a number: one instruction, unlike [`f64::max`].
+#[inline(always)]
+pub(super) fn greater(one: f64, other: f64) -> f64 {
+    if other > one { other } else { one }
 }
 
 impl Load {

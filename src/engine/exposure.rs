@@ -1,7 +1,7 @@
 //! What the contacts did to a body, and to a face of a wall, during a communication step.
 
 use super::BodyContacts;
-use super::contacts::{Impulse, Load};
+use super::contacts::{Impulse, Load, greater};
 use serde::{Deserialize, Serialize};
 
 /// What the contacts did to a body during the last communication step. All of its mechanical steps count, whereas
@@ -56,12 +56,6 @@ pub(super) struct ExposureSum {
     peak_force: f64,
     /// \[m\] deepest overlap.
     peak_overlap: f64,
-}
-
-/// Returns the greater number, the first one if the second is not a number: one instruction, unlike [`f64::max`].
-#[inline(always)]
-pub(super) fn greater(one: f64, other: f64) -> f64 {
-    if other > one { other } else { one }
 }
 
 impl ExposureSum {

@@ -9,8 +9,7 @@
 use super::blocks::{BLOCK, Blocks, Bodies};
 use super::broad_phase::{CellGrid, Crowded, NearMargin, SKIN};
 use super::circle::Circle;
-use super::contacts::{SpringUpdate, Step};
-use super::exposure::greater;
+use super::contacts::{SpringUpdate, Step, greater};
 use super::free_flight::{AcrossFlight, Course, Ramp};
 use super::shortlist::{Activity, Shortlist, disks_of};
 use super::{Body, BodyId, Pose, Scene, State, Threads, Twist, Work, Wrench};

@@ -1,7 +1,7 @@
 //! Maps of people per area, as filled contours.
 
 use crate::body::{TENTH_OF_MM, near};
-use crate::sheet::Frame;
+use crate::frame::Frame;
 use crate::style::Scale;
 use crate::text::{escaped, pair, text_of};
 use contour::ContourBuilder;

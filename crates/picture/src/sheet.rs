@@ -3,25 +3,25 @@
 use crate::bicycle::Bicycle;
 use crate::body::near;
 use crate::colour::{Colour, Palette};
+use crate::colouring::{Colouring, kinds};
+use crate::frame::Frame;
 use crate::glyphs::{self, START};
 use crate::page::{
     BAND_GAP, CAP_HEIGHT, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, footer_height, page_width,
 };
 use crate::scene::{MarkKind, Scene};
-use crate::style::{Colouring, Fill, Style, kinds};
+use crate::style::{Fill, Style};
 use crate::text::{in_units, round_below};
 use crate::world::{
     CUT_BORDER, FORCE_HALO, MARK_STROKE, TRAIL_STROKE, drawable_forces, is_cut, mean, measured, world,
 };
-use lemons_core::plane::{Bounds, Vec2, vec2};
+use lemons_core::plane::{Bounds, vec2};
 use std::collections::BTreeSet;
 
 /// \[px\] Distance between two panels.
 const GUTTER: f64 = 14.0;
 /// Size of letters and lines where panels are beside each other, relative to the page of a single scene.
 const FINER: f64 = 0.85;
-/// Largest height / width of a scene.
-const TALLEST: f64 = 1.4;
 /// \[m\] Smallest width and height of a view.
 const SMALLEST_VIEW: f64 = 0.01;
 /// \[px\] Largest width of a line of force (for the largest force, or limited by small bodies).
@@ -30,39 +30,6 @@ const FORCE_STROKE: f64 = 6.0;
 const FORCE_PART: f64 = 0.2;
 /// \[px\] Width of the line of a bicycle in the legend.
 const BICYCLE_STROKE: f64 = 5.0;
-
-/// Position and scale of the view on the page.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Frame {
-    pub unit: f64,
-    pub view: Bounds,
-    /// \[px/m\] Scale.
-    pub scale: f64,
-    /// \[px\] Upper left corner and size of the view.
-    pub left: f64,
-    pub top: f64,
-    pub drawn: Vec2,
-}
-
-impl Frame {
-    /// Fits the view below `top`, as large as possible and centred in a width `room` from `left` on.
-    fn fit(view: Bounds, unit: f64, left: f64, room: f64, top: f64) -> Frame {
-        let size = view.size();
-        let scale = (room / size.x).min(TALLEST * room / size.y);
-        let drawn = size * scale;
-        Frame { unit, view, scale, left: left + 0.5 * (room - drawn.x), top, drawn }
-    }
-
-    /// Returns whether the border would cut a disk.
-    pub fn cuts(&self, p: Vec2, r: f64) -> bool {
-        !self.view.grown(-r).contains(p)
-    }
-
-    /// Returns whether part of a disk is on the page.
-    pub fn shows(&self, p: Vec2, r: f64) -> bool {
-        self.view.grown(r + MARGIN * self.unit / self.scale).contains(p)
-    }
-}
 
 /// Returns the scene as SVG.
 ///

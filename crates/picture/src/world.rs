@@ -3,12 +3,13 @@
 use crate::bicycle::Bicycle;
 use crate::body::{Body, begin_at, near, point, polyline};
 use crate::colour::{Colour, Palette};
+use crate::colouring::Colouring;
 use crate::density::density;
+use crate::frame::Frame;
 use crate::glyphs::{self, PEN, Place, START};
 use crate::page::{CASING, MARGIN, Page, dashes, path};
 use crate::scene::{Force, Mark, MarkKind, Scene, Trail};
-use crate::sheet::Frame;
-use crate::style::{Colouring, Style};
+use crate::style::Style;
 use crate::text::{PX, escaped, text_of};
 use lemons_core::plane::{Pose, Vec2, rotation, vec2};
 

@@ -1,8 +1,9 @@
 //! The commands in this process.
 
 use crate::CommandError;
+use crate::arrays::{frame_of, is_width};
 use crate::model::Model;
-use crate::recording::{duration, frame_of, is_width};
+use crate::recording::duration;
 use crate::simulation::in_order;
 use lemons_cli::embedded::{Done, Held, InMemory, call};
 use lemons_results::Run;

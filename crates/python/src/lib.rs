@@ -3,6 +3,7 @@
 //! Each class is thin: the work is done by the libraries of this workspace. Long calls release the GIL and return after a
 //! part of their work, so that Python sees Ctrl-C and shows progress. Arrays own the memory that was filled here.
 
+mod arrays;
 mod command;
 mod model;
 mod recording;
@@ -31,8 +32,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let python = module.py();
     module.add("SimulationError", python.get_type::<SimulationError>())?;
     module.add("CommandError", python.get_type::<CommandError>())?;
-    module.add("NUMBERS", recording::names())?;
-    module.add("TABLE", recording::table())?;
+    module.add("NUMBERS", arrays::names())?;
+    module.add("TABLE", arrays::table())?;
     module.add_class::<command::Task>()?;
     module.add_class::<model::Model>()?;
     module.add_function(wrap_pyfunction!(command::look_in, module)?)?;

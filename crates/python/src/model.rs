@@ -1,10 +1,10 @@
 //! What is simulated: a Trial, its drive, and where its people walk.
 
 use crate::CommandError;
-use crate::simulation::short;
 use crowd_mechanics::setup;
 use lemons_core::files::input;
 use lemons_core::files::source::Memory;
+use lemons_core::files::words::shortened;
 use lemons_core::trial::{DriveChoice, DriveTable, FileNames, Shape, Trial};
 use lemons_decision::{DecisionConfig, Plan};
 use lemons_master::{PlanChoice, documents_of, whole};
@@ -15,6 +15,11 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+
+/// The message of an error.
+pub fn short(error: impl std::fmt::Display) -> String {
+    shortened(&error.to_string()).into_owned()
+}
 
 /// A Trial with its drive and the plan of its people, read and checked. It can be pickled.
 #[pyclass(frozen, module = "lemons_fmu._native")]

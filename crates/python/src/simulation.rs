@@ -1,10 +1,9 @@
 //! A crowd that steps, with what it reads and writes as arrays.
 
 use crate::SimulationError;
-use crate::model::Model;
-use crate::recording::{append, numbers_of_each};
+use crate::arrays::{append, numbers_of_each};
+use crate::model::{Model, short};
 use crowd_mechanics::engine::{Wrench, vec2};
-use lemons_core::files::words::shortened;
 use lemons_decision::Plan;
 use lemons_sim::settings::Value;
 use lemons_sim::{Algorithm, SimError, StopCondition, Until};
@@ -23,11 +22,6 @@ pub struct Simulation {
     pub(crate) simulation: lemons_sim::Simulation,
     /// Where its people walk.
     pub(crate) plan: Option<Plan>,
-}
-
-/// The message of an error.
-pub fn short(error: impl std::fmt::Display) -> String {
-    shortened(&error.to_string()).into_owned()
 }
 
 /// An error of the simulation, in Python.

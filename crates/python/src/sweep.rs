@@ -1,7 +1,7 @@
 //! The points of a sweep, what they simulate, and the table of their results.
 
-use crate::model::Model;
-use crate::simulation::{algorithm_of, condition, refused, short, until_of};
+use crate::model::{Model, short};
+use crate::simulation::{algorithm_of, condition, refused, until_of};
 use lemons_master::PlanChoice;
 use lemons_sim::Clock;
 use lemons_sweep::{Finished, Measured, Models, Plan, Template, check_parameters, identity};

@@ -2,8 +2,9 @@
 //! it; `tests/columns.csv` is the same for programs in other languages.
 
 pub use crate::cell::CellType;
-use crate::run::Frame;
+use crate::run::{Frame, Observed, OfLegs, OfStep, Totals};
 use Domain::{Count, Flag, Real, Size};
+use lemons_core::plane::Motion;
 
 /// A column of the table of a run, which is an output of the FMU.
 #[derive(Debug, Clone, Copy)]
@@ -273,6 +274,47 @@ impl Groups {
         self.of_fmu(agents).map(named).collect()
     }
 
+    /// Makes a frame of the values of an FMU at a time \[s\], in the order of [`Groups::variables`].
+    ///
+    /// # Errors
+    /// A sentence with a number that cannot be.
+    pub fn frame_of_values(self, time: f64, agents: usize, values: &[f64]) -> Result<Frame, String> {
+        let mut frame = self.zeros(agents, time);
+        for ((agent, _, quantity), &value) in self.of_fmu(agents).zip(values) {
+            quantity
+                .check(value, true)
+                .map_err(|must| format!("{}: {value:?} is not {must}", quantity.variable))?;
+            (quantity.set)(&mut frame, agent.unwrap_or(0), value);
+        }
+        Ok(Frame { place: format!("t = {time:?} s"), ..frame })
+    }
+
+    /// Makes a frame of so many agents, all of whose numbers in these columns are 0.
+    fn zeros(self, agents: usize, time: f64) -> Frame {
+        let step = OfStep { mean_wall_force: self.by_walls.then_some(0.0), ..OfStep::default() };
+        let observed = Observed { of_step: self.of_step.then_some(step), ..Observed::default() };
+        Frame {
+            time,
+            agents: vec![Motion::default(); agents],
+            observed: self.contacts.then(|| vec![observed; agents]),
+            active: self.active.then(|| vec![false; agents]),
+            legs: self.legs.then(|| vec![OfLegs::default(); agents]),
+            totals: (self.totals && agents > 0).then(Totals::default),
+            ..Frame::default()
+        }
+    }
+
+    /// Makes a frame of the rows of all agents, with these columns.
+    pub fn frame_of_rows(self, time: f64, rows: &[Row]) -> Frame {
+        let mut frame = self.zeros(rows.len(), time);
+        for (agent, row) in rows.iter().enumerate() {
+            for (place, quantity) in self.quantities() {
+                (quantity.set)(&mut frame, agent, row[place]);
+            }
+        }
+        frame
+    }
+
     /// Returns all columns of the table.
     pub fn columns(self) -> Vec<Column> {
         let id = Column {
@@ -292,6 +334,12 @@ impl Groups {
         };
         [Column::time(), id].into_iter().chain(self.quantities().map(column)).collect()
     }
+}
+
+/// Returns the row of an agent of a frame.
+pub fn row_of(frame: &Frame, agent: usize) -> Row {
+    const ALL: &[Quantity; QUANTITIES.len()] = &QUANTITIES;
+    std::array::from_fn(|place| (ALL[place].get)(frame, agent))
 }
 
 /// A column of a table that is written.

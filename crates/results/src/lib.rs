@@ -36,13 +36,13 @@ pub use cell::{Cell, CellType};
 pub use error::RecordError;
 #[cfg(feature = "sqlite")]
 pub use jupedsim::jupedsim;
-pub use record::Record;
+pub use record::{Record, Trajectories};
 pub use recorder::{KeptFrames, Recorder};
 pub use run::{Frame, Observed, OfLegs, OfStep, OfWall, Run, Totals};
 pub use series::{series, series_files, series_in, trial_at_end};
 pub use table::{Content, Format, FrameWriter, TableWriter};
 pub use text::{chaos, chaos_files, pedpy};
-pub use trajectories::{READ, Told, Trajectories, VELOCITY_OVER, holds_trajectories};
+pub use trajectories::{READ, Told, VELOCITY_OVER, holds_trajectories};
 
 /// As with the feature `sqlite`, without which there is no SQLite.
 ///

@@ -2,7 +2,6 @@
 
 use crate::error::RecordError;
 use crate::run::{Frame, Run, order_of, sorted};
-use crate::trajectories::Trajectories;
 use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::Trial;
 use std::collections::BTreeSet;
@@ -13,6 +12,29 @@ use std::rc::Rc;
 pub(crate) type Each<'a> = dyn FnMut(Frame) -> Result<(), RecordError> + 'a;
 /// Reads all frames in the order of time and returns the Ids of the agents.
 type Pass = dyn Fn(&mut Each<'_>) -> Result<Vec<String>, RecordError>;
+
+/// What is known of trajectories besides their frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectories {
+    /// \[1/s\] Frames per second.
+    pub rate: f64,
+    /// Number of frames before and after a frame between which velocities are differences: `frame_step` of PedPy's
+    /// `compute_individual_speed`, there with `SpeedCalculation.BORDER_SINGLE_SIDED`.
+    pub velocity_frames: usize,
+    /// Whether the file says where people look.
+    pub oriented: bool,
+    /// Where people can be: well-known text, in m, of each geometry that the file holds.
+    pub geometry: Vec<String>,
+    /// What was assumed, and what was left out.
+    pub notes: Vec<String>,
+}
+
+impl Trajectories {
+    /// \[s\] Returns the time over which velocities are differences.
+    pub fn velocity_over(&self) -> f64 {
+        (2 * self.velocity_frames) as f64 / self.rate
+    }
+}
 
 /// A recorded run. Its frames stay in the file: in memory are the times, 8 bytes for each frame, and one frame while
 /// it is read.

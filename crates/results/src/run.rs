@@ -1,6 +1,5 @@
 //! What was recorded of a crowd.
 
-use crate::columns::{Groups, QUANTITIES, Quantity, Row};
 use crate::error::RecordError;
 use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::{Interactions, Trial};
@@ -117,53 +116,6 @@ impl Frame {
     /// Returns those who are there, with their places.
     pub fn present(&self) -> impl Iterator<Item = (usize, &Motion)> + Clone {
         self.agents.iter().enumerate().filter(|(place, _)| self.is_there(*place))
-    }
-
-    /// Makes a frame of the values of an FMU at a time \[s\], in the order of [`Groups::variables`].
-    ///
-    /// # Errors
-    /// A sentence with a number that cannot be.
-    pub fn of_values(time: f64, agents: usize, groups: Groups, values: &[f64]) -> Result<Frame, String> {
-        let mut frame = Frame::with(groups, agents, time);
-        for ((agent, _, quantity), &value) in groups.of_fmu(agents).zip(values) {
-            quantity
-                .check(value, true)
-                .map_err(|must| format!("{}: {value:?} is not {must}", quantity.variable))?;
-            (quantity.set)(&mut frame, agent.unwrap_or(0), value);
-        }
-        Ok(Frame { place: format!("t = {time:?} s"), ..frame })
-    }
-
-    /// Makes a frame of so many agents, all of whose numbers in these groups are 0.
-    fn with(groups: Groups, agents: usize, time: f64) -> Frame {
-        let step = OfStep { mean_wall_force: groups.by_walls.then_some(0.0), ..OfStep::default() };
-        let observed = Observed { of_step: groups.of_step.then_some(step), ..Observed::default() };
-        Frame {
-            time,
-            agents: vec![Motion::default(); agents],
-            observed: groups.contacts.then(|| vec![observed; agents]),
-            active: groups.active.then(|| vec![false; agents]),
-            legs: groups.legs.then(|| vec![OfLegs::default(); agents]),
-            totals: (groups.totals && agents > 0).then(Totals::default),
-            ..Frame::default()
-        }
-    }
-
-    /// Makes a frame of the rows of all agents, with these groups of columns.
-    pub fn of_rows(time: f64, rows: &[Row], groups: Groups) -> Frame {
-        let mut frame = Frame::with(groups, rows.len(), time);
-        for (agent, row) in rows.iter().enumerate() {
-            for (place, quantity) in groups.quantities() {
-                (quantity.set)(&mut frame, agent, row[place]);
-            }
-        }
-        frame
-    }
-
-    /// Returns the row of an agent.
-    pub fn row(&self, agent: usize) -> Row {
-        const ALL: &[Quantity; QUANTITIES.len()] = &QUANTITIES;
-        std::array::from_fn(|place| (ALL[place].get)(self, agent))
     }
 
     /// Returns the frame with the agents of these places.

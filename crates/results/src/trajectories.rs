@@ -9,7 +9,7 @@ mod text;
 mod timed;
 
 use crate::error::RecordError;
-use crate::record::{Each, Record};
+use crate::record::{Each, Record, Trajectories};
 use crate::run::Frame;
 use crate::shapes::FARTHEST;
 use lemons_core::files::input;
@@ -50,29 +50,6 @@ pub const VELOCITY_OVER: f64 = 0.4;
 impl Default for Told {
     fn default() -> Told {
         Told { per_metre: None, rate: None, velocity_over: VELOCITY_OVER }
-    }
-}
-
-/// What is known of trajectories besides their frames.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Trajectories {
-    /// \[1/s\] Frames per second.
-    pub rate: f64,
-    /// Number of frames before and after a frame between which velocities are differences: `frame_step` of PedPy's
-    /// `compute_individual_speed`, there with `SpeedCalculation.BORDER_SINGLE_SIDED`.
-    pub velocity_frames: usize,
-    /// Whether the file says where people look.
-    pub oriented: bool,
-    /// Where people can be: well-known text, in m, of each geometry that the file holds.
-    pub geometry: Vec<String>,
-    /// What was assumed, and what was left out.
-    pub notes: Vec<String>,
-}
-
-impl Trajectories {
-    /// \[s\] Returns the time over which velocities are differences.
-    pub fn velocity_over(&self) -> f64 {
-        (2 * self.velocity_frames) as f64 / self.rate
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::Scenario;
 use crate::error::{Result, fits, impossible, within};
-use crate::place::Place;
+use crate::place::{NO_WAY_OUT, Place};
 use crate::range;
 use lemons_core::trial::Trial;
 use lemons_decision::exit_choice::ExitChoice;
@@ -10,9 +10,6 @@ use lemons_decision::rule::{WAYPOINT_RADIUS, Waypoint};
 use lemons_decision::{AgentConfig, DEFAULT_SPEED, DecisionConfig, Spread, TargetConfig, WalkingModelName};
 use lemons_people::Agent;
 use lemons_people::drawing::{self, Read};
-
-pub(crate) const NO_WAY_OUT: &str =
-    "`leave`: there is no way out: give `doors` X,Y,WIDTH, or `exits` X1,Y1,X2,Y2";
 
 impl Scenario {
     /// Returns whether somebody walks without `leave`.

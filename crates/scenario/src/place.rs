@@ -2,7 +2,6 @@
 
 use crate::error::{Of, Result, ScenarioError, fits, impossible, require};
 use crate::forms::{Pair, RegionForm};
-use crate::leave::NO_WAY_OUT;
 use crate::{Scenario, WALLS};
 use lemons_core::files::source::Source as Files;
 use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
@@ -12,6 +11,9 @@ use lemons_people::drawing::{Format, LARGEST_DRAWING, Place as DrawnPlace, Read}
 use lemons_people::placing::{FreeSpace, Packing, Region};
 use lemons_people::room::Room;
 use lemons_people::{Door, PeopleError, closed_walls, cut_doors, walls};
+
+pub(crate) const NO_WAY_OUT: &str =
+    "`leave`: there is no way out: give `doors` X,Y,WIDTH, or `exits` X1,Y1,X2,Y2";
 
 /// What to do about doors where walls have openings.
 const DOORS: &str = "a door is in a closed wall of the room where people stand (`box`, `geometry`): close the wall, and \

@@ -12,6 +12,7 @@
 //! - [`stop`]: when a run ends
 
 mod clock;
+mod error;
 pub mod exposure;
 pub mod lint;
 mod replay;
@@ -19,10 +20,12 @@ pub mod settings;
 mod simulation;
 mod stepper;
 pub mod stop;
+mod variables;
 
 pub use clock::{Clock, ClockError};
+pub use error::SimError;
 pub use exposure::{ExposureSum, Extremes, Greatest};
 pub use replay::Replay;
-pub use simulation::{Algorithm, Documents, Exchange, SimError, Simulation};
+pub use simulation::{Algorithm, Documents, Exchange, Simulation};
 pub use stepper::{Observer, PointKind, RunModel, Stepper};
 pub use stop::{StopCondition, Until};

@@ -1,7 +1,8 @@
 //! A Trial's crowd, and who decides where its people walk.
 
+use crate::error::SimError;
 use crate::replay::observed;
-use crate::settings::Named;
+use crate::variables::Named;
 use crowd_mechanics::engine::{FaceExposure, World, Wrench, vec2};
 use crowd_mechanics::model::{CrowdModel, Saved as SavedCrowd};
 use crowd_mechanics::quantities::Quantity;
@@ -9,7 +10,7 @@ use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
 use lemons_decision::decision::{Act, Saved as SavedDecision, Stance};
 use lemons_decision::{Decision, Plan};
-use lemons_fmi::{Model, Phase, Refusal, Step, StepError, fingerprint};
+use lemons_fmi::{Model, Phase, Step, fingerprint};
 use lemons_results::{Frame, OfLegs, OfStep, OfWall, Totals};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -83,65 +84,6 @@ impl fmt::Display for Algorithm {
             Algorithm::Jacobi => "Jacobi",
             Algorithm::GaussSeidel => "Gauss-Seidel",
         })
-    }
-}
-
-/// Why a simulation does not begin or go on.
-#[derive(Debug, thiserror::Error)]
-pub enum SimError {
-    /// The crowd or Decision refuses it.
-    #[error("{0}")]
-    Model(Refusal),
-    /// A text is not a value of a variable.
-    #[error("{name}={text}: {why}")]
-    Value {
-        /// Of the variable.
-        name: String,
-        /// What was given.
-        text: String,
-        /// What it must be.
-        why: String,
-    },
-    /// There is no such variable.
-    #[error(
-        "{given}: there is no such variable{}",
-        meant.as_ref().map(|meant| format!("; did you mean {meant:?}?")).unwrap_or_default()
-    )]
-    Unknown {
-        /// Its name, or `NAME=VALUE` where it was to be set.
-        given: String,
-        /// The name that is probably meant.
-        meant: Option<String>,
-    },
-    /// A start time is not finite.
-    #[error("start time {0:?} s: must be finite")]
-    Start(f64),
-    /// There is no such communication point.
-    #[error("communication step to {to:?} s: must be finite, and after {from:?} s")]
-    Step {
-        /// \[s\] What was given.
-        to: f64,
-        /// \[s\] The last communication point.
-        from: f64,
-    },
-    /// It steps before it has begun.
-    #[error("the simulation has not begun")]
-    NotBegun,
-    /// A saved state is damaged, or of other documents.
-    #[error("the state is damaged or is not a state of this Trial")]
-    State,
-}
-
-impl From<Refusal> for SimError {
-    fn from(refusal: Refusal) -> SimError {
-        SimError::Model(refusal)
-    }
-}
-
-impl From<StepError> for SimError {
-    fn from(error: StepError) -> SimError {
-        let (StepError::Refused(refusal) | StepError::Failed(refusal)) = error;
-        SimError::Model(refusal)
     }
 }
 

@@ -4,7 +4,8 @@
 //! measures, or keeps it.
 
 use crate::clock::Clock;
-use crate::simulation::{SimError, Simulation};
+use crate::error::SimError;
+use crate::simulation::Simulation;
 use crate::stop::StopCondition;
 use lemons_results::Frame;
 use lemons_results::measure::Leaving;

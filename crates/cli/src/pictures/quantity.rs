@@ -267,7 +267,7 @@ mod tests {
         };
         let frame = |k: u32| {
             let means = [f64::from(k * 37 % 11) * 30.0, f64::from(k * 13 % 7) * 50.0];
-            Frame::of_rows(0.1 * f64::from(k), &[row(means[0], true), row(means[1], k < 20)], ALL)
+            ALL.frame_of_rows(0.1 * f64::from(k), &[row(means[0], true), row(means[1], k < 20)])
         };
         Run {
             source: PathBuf::new(),

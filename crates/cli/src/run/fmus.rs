@@ -171,7 +171,7 @@ impl Reader {
     fn frame(&self, system: &System) -> Result<Frame> {
         let component = &system.components[self.place];
         let values = component.instance.values(&self.values)?;
-        let frame = Frame::of_values(system.time, self.agents, self.groups, &values);
+        let frame = self.groups.frame_of_values(system.time, self.agents, &values);
         let mut frame = frame.map_err(|what| anyhow!("{}: {what}", component.name))?;
         if let Some([means, peaks]) = &self.walls {
             let (means, peaks) = (component.instance.values(means)?, component.instance.values(peaks)?);

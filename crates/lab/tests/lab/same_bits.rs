@@ -10,7 +10,7 @@ use lemons_master::ssp::{Participant, write_archive};
 use lemons_master::{PlanChoice, Prepared, Settings, TrialInput, binary_beside, documents_of, own_binary};
 use lemons_people::zip_trial;
 use lemons_results::Frame;
-use lemons_results::columns::Groups;
+use lemons_results::columns::{Groups, row_of};
 use lemons_sim::lint::{self, Files};
 use lemons_sim::{Algorithm, Clock, Documents, Simulation};
 use lemons_testing::{repository, trial_push};
@@ -24,7 +24,7 @@ type Bits = Vec<Vec<[u64; 6]>>;
 
 fn bits(frame: &Frame) -> Vec<[u64; 6]> {
     let of = |agent: usize| {
-        let [x, y, vx, vy, theta, omega, ..] = frame.row(agent);
+        let [x, y, vx, vy, theta, omega, ..] = row_of(frame, agent);
         let [x, y] = if frame.is_there(agent) { [x, y] } else { [f64::NAN; 2] };
         [x, y, vx, vy, theta, omega].map(f64::to_bits)
     };
@@ -62,7 +62,7 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
         let crowd = run.system.components.iter().find(|component| component.name == "crowd").unwrap();
         let names = groups.variables(agents).into_iter().map(|(name, _)| name);
         let values: Vec<f64> = crowd.instance.values(&crowd.instance.select(names).unwrap()).unwrap();
-        bits(&Frame::of_values(0.0, agents, groups, &values).unwrap())
+        bits(&groups.frame_of_values(0.0, agents, &values).unwrap())
     };
     let mut all = vec![see(&run)];
     for time in clock.points(0) {

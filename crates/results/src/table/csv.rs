@@ -1,7 +1,7 @@
 //! Tables in CSV: SI units, numbers that read back to the same doubles.
 
+use super::format::Rows;
 use super::rows::{Cells, Frames, place};
-use super::write::Rows;
 use crate::cell::Cell;
 use crate::columns::{self, Column};
 use crate::error::RecordError;

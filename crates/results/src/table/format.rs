@@ -1,6 +1,8 @@
 //! Formats of tables, and what a table holds.
 
+use crate::cell::Cell;
 use crate::columns::Column;
+use std::io;
 use std::path::Path;
 
 /// Format of a table.
@@ -40,4 +42,12 @@ pub struct Content {
     /// Keys and values about the whole table. Parquet has them in its metadata, CSV has no place for
     /// them.
     pub about: Vec<(&'static str, String)>,
+}
+
+/// A format that a table is written in.
+pub(super) trait Rows<W>: Send {
+    /// Writes the cells of a row.
+    fn row(&mut self, cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<()>;
+    /// Completes the table and returns its file.
+    fn finish(self: Box<Self>) -> io::Result<W>;
 }

@@ -1,9 +1,8 @@
 //! Tables in Parquet, with units, variables and descriptions in the metadata: under the key `columns`, as
 //! JSON, `{"x": {"unit": "m"}}`.
 
-use super::format::Content;
+use super::format::{Content, Rows};
 use super::rows::{Cells, Frames, Head, place};
-use super::write::Rows;
 use crate::cell::{Cell, CellType};
 use crate::columns::{Column, ID};
 use crate::error::RecordError;

@@ -157,7 +157,7 @@ impl<'a, 'b> Frames<'a, 'b> {
         let rows = self.rows.iter_mut().zip(&self.ids);
         let rows = rows.map(|(row, id)| row.take().ok_or_else(|| RecordError::wrong(self.path, missing(id))));
         let rows = rows.collect::<Result<Vec<_>, _>>()?;
-        (self.each)(Frame { place, ..Frame::of_rows(time, &rows, self.groups) })
+        (self.each)(Frame { place, ..self.groups.frame_of_rows(time, &rows) })
     }
 
     /// Completes the last frame, and returns the Ids of all agents.

@@ -1,24 +1,16 @@
 //! Writes tables row by row.
 
 use super::csv;
-use super::format::{Content, Format};
+use super::format::{Content, Format, Rows};
 #[cfg(feature = "parquet")]
 use super::parquet;
 use crate::cell::{Cell, CellType};
-use crate::columns::{Groups, Quantity, Row};
+use crate::columns::{Groups, Quantity, Row, row_of};
 use crate::error::RecordError;
 use crate::run::Frame;
 use lemons_core::files::WriteError;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-
-/// A format that a table is written in.
-pub(super) trait Rows<W>: Send {
-    /// Writes the cells of a row.
-    fn row(&mut self, cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<()>;
-    /// Completes the table and returns its file.
-    fn finish(self: Box<Self>) -> io::Result<W>;
-}
 
 /// Writes a table with any columns after the time. The table is complete after
 /// [`TableWriter::finish`], and of no use after an error. The same rows give the same bytes.
@@ -95,7 +87,7 @@ impl<W: Write + Send + 'static> FrameWriter<W> {
     /// The file cannot be written.
     pub fn frame(&mut self, frame: &Frame) -> Result<(), RecordError> {
         for (k, id) in self.ids.iter().enumerate() {
-            self.cells.of_agent(frame.time, id, &frame.row(k), &mut |cells| self.table.cells(cells))?;
+            self.cells.of_agent(frame.time, id, &row_of(frame, k), &mut |cells| self.table.cells(cells))?;
         }
         Ok(())
     }

@@ -35,7 +35,7 @@ fn frames(count: usize, groups: Groups) -> Vec<Frame> {
         })
     };
     let rows = |k| [row(k, 0), row(k, 1), row(k, 2)];
-    (0..count).map(|k| Frame::of_rows(k as f64 * 0.1, &rows(k), groups)).collect()
+    (0..count).map(|k| groups.frame_of_rows(k as f64 * 0.1, &rows(k))).collect()
 }
 
 fn begin(path: &Path, format: Format, columns: Vec<Column>) -> TableWriter<File> {
