@@ -1,6 +1,10 @@
 //! The crowd's part of FMI's "FMU state": saving and restoring.
 
-use super::{CrowdModel, Drive, Packed, Settings, give_threads, make_directory};
+use super::CrowdModel;
+use super::output::make_directory;
+use super::packed::{Drive, Packed};
+use super::running::give_threads;
+use super::settings::Settings;
 use crate::engine::{BodyId, Exposure, FaceExposure, State, World, Wrench};
 use crate::quantities::{Quantity, shared};
 use crate::setup::Setup;
