@@ -17,7 +17,7 @@ pub use lemons_fmi::archive::{
 use lemons_fmi::description::Packed;
 use lemons_fmi::model::fingerprint;
 pub use lemons_fmi::{Format, Naming};
-use lemons_fmi::{Version, description};
+use lemons_fmi::{Version, documentation};
 use std::io::{Seek, Write};
 use std::path::{Component, Path, PathBuf};
 use thiserror::Error;
@@ -305,7 +305,7 @@ fn documentation(trial: &Trial, version: Version, picture: bool) -> String {
     let crowd = CrowdModel::of_trial(trial.clone(), DriveTable::default());
     let file = if version == Version::V2 { "../model.png" } else { "model.png" };
     let shown = format!("<p><img src=\"{file}\" alt=\"where everybody is at the start\" width=\"640\"></p>");
-    description::documentation(&crowd, version, page, trial.agents.len())
+    documentation::documentation(&crowd, version, page, trial.agents.len())
         .replace("{picture}", if picture { &shown } else { "" })
         .replace("{trial}", &lemons_core::xml::escaped(&trial.name))
         .replace("{time_step}", &format!("{:?}", trial.parameters.time_step))

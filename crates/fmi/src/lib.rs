@@ -13,7 +13,7 @@
 //! - `states`: the states that importers hold
 //! - [`archive`]: an `.fmu`, the same bytes for the same content
 //! - [`boundary`]: what all C functions share: pointers, messages, panics
-//! - [`description`]: the table as XML and HTML
+//! - [`description`], [`documentation`]: the table as XML, and as HTML
 //! - [`calls`], [`v2`], [`v3`]: the bodies of the C functions: of both versions, of one of them
 //! - [`export_fmi2!`], [`export_fmi3!`]: the C functions for a model
 //! - `testing` (feature `testing`): what an importer is, and whether a model keeps what it declares
@@ -24,6 +24,7 @@ pub mod archive;
 pub mod boundary;
 pub mod calls;
 pub mod description;
+pub mod documentation;
 mod format;
 mod functions;
 pub mod lifecycle;

@@ -12,6 +12,7 @@ mod curve;
 mod doubt;
 mod dxf;
 mod enclosing;
+mod filled;
 mod gap;
 mod geojson;
 mod join;
@@ -27,6 +28,7 @@ mod svg;
 mod swings;
 #[cfg(test)]
 mod tests;
+mod trace;
 mod wkt;
 mod write;
 

@@ -2,6 +2,7 @@ use super::*;
 use crate::WalkingModelName;
 use crate::config::DecisionConfig;
 use lemons_core::trial::{self, AgentDynamics, Trial};
+use lemons_fmi::{Model, Phase};
 
 pub(super) fn decision(wishes: &str) -> Decision {
     let person = |id: &str| (trial::Agent::new(id, 70.0, 1.3, [2.0, 4.0]), AgentDynamics::default());

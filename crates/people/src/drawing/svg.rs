@@ -1,11 +1,12 @@
 //! SVG -> lines. Groups are layers; the y axis is turned upwards, the lower left corner of the page is the origin.
 
-use super::curve::{Affine, Arc, bezier, by_ends, check_length};
+use super::curve::{Affine, Arc};
+use super::filled::parts_of;
 use super::role::Role;
+use super::trace::Trace;
 use super::{Line, Reading, Tracer, check_name};
 use crate::error::{PeopleError, Result, require};
-use lemons_core::plane::overlay::{self, Contour, Fill, contour};
-use lemons_core::plane::{Ring, Vec2, sides_that_meet, vec2};
+use lemons_core::plane::{Vec2, vec2};
 use lemons_core::xml::{Document, Element};
 use std::collections::HashMap;
 use std::path::Path;
@@ -15,8 +16,6 @@ use svgtypes::{
 
 const LARGEST: usize = 16_000_000;
 const MOST_NODES: u32 = 1_000_000;
-/// Largest number of corners of all paths of several parts: some of it takes the square of this.
-const MOST_OF_PARTS: usize = 10_000;
 /// More elements within each other are a mistake.
 const DEEPEST: usize = 100;
 /// What a style sheet may say of which areas and holes there are.
@@ -384,69 +383,6 @@ impl<'a> Walk<'a, '_> {
     }
 }
 
-/// Says which parts of a path are holes of which: the rim of what is filled. Holes follow what they are in. `looked_at` is
-/// the number of corners of all such paths.
-fn parts_of(
-    lines: Vec<(Vec<Vec2>, bool)>,
-    even_odd: bool,
-    looked_at: &mut usize,
-) -> Result<Vec<(Vec<Vec2>, bool, bool)>> {
-    let (closed, open): (Vec<_>, Vec<_>) =
-        lines.into_iter().partition(|(corners, closed)| *closed && corners.len() > 2);
-    let rings: Vec<Ring> = closed.into_iter().filter_map(|(corners, _)| Ring::through(corners)).collect();
-    let mut parts: Vec<(Vec<Vec2>, bool, bool)> = Vec::new();
-    if rings.len() < 2 {
-        parts.extend(rings.iter().map(|ring| (ring.corners().to_vec(), true, false)));
-    } else {
-        *looked_at += rings.iter().map(|ring| ring.corners().len()).sum::<usize>();
-        require(*looked_at <= MOST_OF_PARTS, || {
-            format!(
-                "paths of several parts have {looked_at} corners so far; at most {MOST_OF_PARTS} are allowed"
-            )
-        })?;
-        let drawn = if sides_that_meet(&rings).is_none() { rims(&rings, even_odd) } else { None };
-        let crossed = || {
-            let fill = if even_odd { Fill::EvenOdd } else { Fill::NonZero };
-            let contours: Vec<Contour> = rings.iter().map(contour).collect();
-            let left = overlay::difference(&contours, &[], fill);
-            left.iter().map(|rings| rings.iter().filter_map(overlay::ring).collect()).collect()
-        };
-        let polygons: Vec<Vec<Ring>> = drawn.unwrap_or_else(crossed);
-        let all = polygons.iter().flat_map(|rings| rings.iter().enumerate());
-        parts.extend(all.map(|(place, ring)| (ring.corners().to_vec(), true, place > 0)));
-    }
-    parts.extend(open.into_iter().map(|(corners, closed)| (corners, closed, false)));
-    Ok(parts)
-}
-
-/// The rims of what is filled, of rings that meet nowhere: each with its holes.
-fn rims(rings: &[Ring], even_odd: bool) -> Option<Vec<Vec<Ring>>> {
-    let sign = |ring: &Ring| if even_odd || ring.signed_area() > 0.0 { 1 } else { -1 };
-    let filled = |winding: i32| if even_odd { winding % 2 != 0 } else { winding != 0 };
-    let around: Vec<Vec<usize>> = (0..rings.len())
-        .map(|k| {
-            let corner = rings[k].corners()[0];
-            (0..rings.len()).filter(|&other| other != k && rings[other].contains(corner)).collect()
-        })
-        .collect();
-    let signs: Vec<i32> = rings.iter().map(sign).collect();
-    // Whether it is filled outside, and inside.
-    let sides = |(k, around): (usize, &Vec<usize>)| {
-        let winding = around.iter().map(|&other| signs[other]).sum::<i32>();
-        [filled(winding), filled(winding + signs[k])]
-    };
-    let sides: Vec<[bool; 2]> = around.iter().enumerate().map(sides).collect();
-    let is_rim = |k: usize| sides[k] == [false, true];
-    let mut polygons: Vec<Option<Vec<Ring>>> =
-        (0..rings.len()).map(|k| is_rim(k).then(|| vec![rings[k].clone()])).collect();
-    for hole in (0..rings.len()).filter(|&k| sides[k] == [true, false]) {
-        // The innermost rim around it is in the most others.
-        let of = around[hole].iter().copied().filter(|&k| is_rim(k)).max_by_key(|&k| around[k].len())?;
-        polygons[of].as_mut()?.push(rings[hole].clone());
-    }
-    Some(polygons.into_iter().flatten().collect())
-}
-
 fn placed(element: Element, error: PeopleError) -> PeopleError {
     said(element.problem(error.to_string()))
 }
@@ -556,85 +492,4 @@ fn path(element: Element, trace: &mut Trace) -> Result<()> {
         traced.map_err(|error| placed(element, error))?;
     }
     Ok(())
-}
-
-/// Lines of one element; corners are in metres, places that are given are in its own coordinates.
-struct Trace<'t> {
-    into: &'t Affine,
-    deviation: f64,
-    lines: Vec<(Vec<Vec2>, bool)>,
-    /// Where the line ends, in the element's own coordinates.
-    last: Vec2,
-    curved: bool,
-    /// Number of corners of all its lines.
-    corners: usize,
-}
-
-impl Trace<'_> {
-    fn begin(&mut self, at: Vec2) {
-        // A move without a line draws nothing.
-        self.lines.pop_if(|(corners, _)| corners.len() < 2);
-        self.lines.push((vec![self.into.of(at)], false));
-        self.last = at;
-    }
-
-    fn to(&mut self, at: Vec2) -> Result<()> {
-        self.corners += 1;
-        check_length(self.corners)?;
-        let place = self.into.of(at);
-        if let Some((corners, _)) = self.lines.last_mut() {
-            corners.push(place);
-        }
-        self.last = at;
-        Ok(())
-    }
-
-    fn line(&mut self, from: &mut Vec2, to: Vec2) -> Result<()> {
-        *from = to;
-        self.to(to)
-    }
-
-    fn close(&mut self) {
-        if let Some((_, closed)) = self.lines.last_mut() {
-            *closed = true;
-        }
-    }
-
-    fn bezier(&mut self, from: &mut Vec2, control: &[Vec2]) -> Result<()> {
-        let all: Vec<Vec2> =
-            std::iter::once(&*from).chain(control).map(|point| self.into.of(*point)).collect();
-        let mut corners = Vec::new();
-        bezier(&all, self.deviation, &mut corners)?;
-        self.curve(corners, control[control.len() - 1])?;
-        *from = self.last;
-        Ok(())
-    }
-
-    fn arc(&mut self, arc: &Arc) -> Result<()> {
-        let mut corners = Vec::new();
-        arc.mapped(self.into).trace(self.deviation, &mut corners)?;
-        let end = self.last;
-        self.curve(corners, end)
-    }
-
-    /// Appends corners of a curve, the last one exactly at `to`.
-    fn curve(&mut self, mut corners: Vec<Vec2>, to: Vec2) -> Result<()> {
-        corners.pop();
-        self.corners += corners.len();
-        check_length(self.corners)?;
-        if let Some((line, _)) = self.lines.last_mut() {
-            line.extend(corners);
-        }
-        self.curved = true;
-        self.to(to)
-    }
-
-    fn by_ends(&mut self, to: Vec2, radii: Vec2, degrees: f64, large: bool, sweep: bool) -> Result<()> {
-        let Some(arc) = by_ends(self.last, to, radii, degrees, large, sweep) else {
-            return self.to(to);
-        };
-        let mut corners = Vec::new();
-        arc.mapped(self.into).trace(self.deviation, &mut corners)?;
-        self.curve(corners, to)
-    }
 }

@@ -1,0 +1,192 @@
+//! The crowd as the model of an FMU: poses are inputs, drives are outputs.
+
+use super::quantities::{self, Quantity};
+use super::{Agent, Decision};
+use crate::config::DECISION_FILE;
+use crate::plan::Plan;
+use crate::target::Arrival;
+use crate::walking_model::DesiredMotion;
+use lemons_core::plane::InPlane;
+use lemons_fmi::location::Location;
+use lemons_fmi::variables::{Dependencies, Known, Role, Scalar, Size, Variable};
+use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, damaged, refuse};
+use serde::{Deserialize, Serialize};
+
+/// The saved state, without the location of the resources.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Saved {
+    /// Fingerprint of the plan.
+    fingerprint: u128,
+    pub(super) agents: Vec<Agent>,
+    /// \[s\] Time since the start.
+    time: f64,
+    /// See [`Decision`].
+    wanted: Option<Vec<DesiredMotion>>,
+}
+
+fn finite(i: usize, name: &'static str, value: f64) -> Answer<f64> {
+    if value.is_finite() {
+        return Ok(value);
+    }
+    refuse(format!("agent[{i}]: {name} is not finite: check mass, desired speed, damping and way-points"))
+}
+
+impl Model for Decision {
+    type Quantity = Quantity;
+    type Saved = Saved;
+
+    const NAME: &'static str = "LEMONS decision";
+    const IDENTIFIER: &'static str = "Decision";
+    const DESCRIPTION: &'static str =
+        "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
+    const STOP_TIME: f64 = 30.0;
+    const STATE_VERSION: u32 = 9;
+    const SIZES: &'static [Size] = &quantities::SIZES;
+    const VARIABLES: &'static [Variable<Quantity>] = &quantities::QUANTITIES;
+
+    fn load(location: Location<'_>) -> Answer<Decision> {
+        let candidates = location.directories()?;
+        let Some(directory) = candidates.iter().find(|directory| directory.join(DECISION_FILE).exists())
+        else {
+            let (location, path) = (location.text(), &candidates[0]);
+            return refuse(format!(
+                "the resource location {location:?} is {path:?}, which has no {DECISION_FILE}"
+            ));
+        };
+        Plan::read(directory).map(Decision::new).map_err(Refusal::new)
+    }
+
+    fn size(&self, place: usize) -> u64 {
+        [self.agents.len(), self.most_waypoints][place] as u64
+    }
+
+    fn scalars(&self) -> Vec<Scalar<Quantity>> {
+        self.scalars_of_plan()
+    }
+
+    fn step_size(&self) -> f64 {
+        self.plan.time_step
+    }
+
+    fn number(&mut self, quantity: Quantity, element: usize) -> Answer<f64> {
+        if let Some(field) = self.field(quantity, element) {
+            return Ok(*field);
+        }
+        let i = element / self.elements_of_each(quantity);
+        Ok(match quantity {
+            Quantity::Fp => {
+                let axis = element % 2;
+                finite(i, ["Fp.x", "Fp.y"][axis], self.drive(i)?.force[axis])?
+            }
+            Quantity::Mp => finite(i, "Mp", self.drive(i)?.torque)?,
+            Quantity::Active => {
+                self.find_ways()?;
+                f64::from(self.arrival(i) != Some(Arrival::Leaves))
+            }
+            Quantity::Arrived => self.arrived()? as f64,
+            Quantity::NextWaypoint => self.agents[i].next() as f64,
+            Quantity::Legs | Quantity::Lean | Quantity::Steps | Quantity::Balanced | Quantity::Fallen => {
+                let stance = self.seen_stance(i)?;
+                match quantity {
+                    Quantity::Legs => <[f64; 2]>::from(stance.feet)[element % 2],
+                    Quantity::Lean => (self.agents[i].at() - stance.feet).norm(),
+                    Quantity::Steps => stance.steps.into(),
+                    Quantity::Balanced => stance.balanced.into(),
+                    _ => stance.fallen.into(),
+                }
+            }
+            Quantity::WaypointCount => self.agents[i].walker.waypoints.len() as f64,
+            _ => 0.0,
+        })
+    }
+
+    fn text(&self, _: Quantity, element: usize) -> &str {
+        &self.plan.agents[element].id
+    }
+
+    /// Checks that way-points which nobody has are 0.
+    fn check(&self, quantity: Quantity, values: &[f64]) -> Answer<()> {
+        let beyond = |k: &usize| values[*k] != 0.0 && !self.has(quantity, *k);
+        let Some(k) = (0..values.len()).find(beyond) else { return Ok(()) };
+        let i = k / self.elements_of_each(quantity);
+        let (agent, count) = (&self.plan.agents[i].id, self.agents[i].walker.waypoints.len());
+        refuse(format!("agent {agent:?} has only {count} way-points: what is beyond them must be 0"))
+    }
+
+    fn set(&mut self, quantity: Quantity, element: usize, value: f64, _: Phase) {
+        if let Some(field) = self.field(quantity, element) {
+            *field = value;
+            (self.wanted, self.aims, self.legs) = (None, None, None);
+        }
+    }
+
+    fn dependencies(&self, computed: Quantity, known: Known) -> Dependencies<Quantity> {
+        self.dependencies_of(computed, known)
+    }
+
+    fn initialize(&mut self, start: f64) -> Answer<()> {
+        self.time = start;
+        self.motivate_since(f64::NEG_INFINITY);
+        self.find_ways()
+    }
+
+    /// The poses are those at the beginning of the step.
+    fn advance(&mut self, step: Step) -> Result<(), StepError> {
+        self.pass(step.length).map_err(StepError::Refused)
+    }
+
+    fn reset(&mut self) -> Answer<()> {
+        *self = self.anew();
+        Ok(())
+    }
+
+    fn save(&self) -> Saved {
+        Saved {
+            fingerprint: self.fingerprint,
+            time: self.time,
+            agents: self.agents.clone(),
+            wanted: self.wanted.clone(),
+        }
+    }
+
+    fn restore(&mut self, saved: &Saved) -> Answer<()> {
+        const IMPOSSIBLE: &str = "it has other agents or way-points, or impossible values";
+        let Saved { fingerprint, agents: saved, time, wanted } = saved;
+        if *fingerprint != self.fingerprint {
+            return refuse("the state belongs to another model, with another plan");
+        }
+        let alike = |(a, b): (&Agent, &Agent)| {
+            let count = b.walker.waypoints.len();
+            let last = a.last.is_none_or(|at| at.is_finite());
+            let own = [a.steering, a.noise, a.phase, a.choice.wait, a.choice.turn]
+                .iter()
+                .all(|number| number.is_finite());
+            let exit =
+                a.choice.exit.is_none_or(|k| self.plan.targets.get(k).is_some_and(|target| !target.stay));
+            exit && a.walker.waypoints.len() == count
+                && a.next <= count
+                && last
+                && own
+                && a.stuck.is_sound()
+                && a.legs.is_sound()
+        };
+        if !time.is_finite() || wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len()) {
+            return damaged(IMPOSSIBLE);
+        }
+        if saved.len() != self.agents.len() || !saved.iter().zip(&self.agents).all(alike) {
+            return damaged(IMPOSSIBLE);
+        }
+        let mut restored = Decision { agents: saved.clone(), ..self.anew() };
+        for row in Self::VARIABLES.iter().filter(|row| matches!(row.role, Role::Input | Role::Parameter)) {
+            for element in 0..self.agents.len() * self.elements_of_each(row.quantity) {
+                let field = restored.field(row.quantity, element);
+                if field.is_some_and(|value| row.domain.check(*value).is_err()) {
+                    return damaged(IMPOSSIBLE);
+                }
+            }
+        }
+        (self.agents, self.time) = (restored.agents, *time);
+        (self.wanted, self.aims, self.legs) = (wanted.clone(), None, None);
+        Ok(())
+    }
+}

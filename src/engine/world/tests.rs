@@ -1,0 +1,153 @@
+use super::*;
+use crate::engine::round_bodies::RoundBody;
+use crate::engine::{Pose, Twist, vec2};
+
+/// Two equal and opposite forces that move nobody: their sum of sizes is beyond all numbers.
+#[test]
+fn a_squeeze_beyond_all_numbers_is_an_error_and_changes_nothing() {
+    let scene = RoundBody { mass: 1e300, radius: 1.0, relaxation: 0.0, stiffness: 1e308 }.scene(3);
+    let poses = [-1.0, 0.0, 1.0].map(|x| Pose { position: vec2(x, 0.0), orientation: 0.0 });
+    let mut world = World::new(scene, State::new(poses.to_vec(), vec![Twist::default(); 3]), 1e-12).unwrap();
+    let before = world.state().clone();
+    assert_eq!(world.advance(1e-12), Err(AdvanceError::NotFinite { body: BodyId(1) }));
+    assert_eq!(*world.state(), before);
+}
+
+/// Three thousand grains fly to one point, where there are 4.5 million pairs of them.
+#[test]
+fn who_come_together_in_thousands_are_an_error_and_change_nothing() {
+    let scene = RoundBody { mass: 1e3, radius: 1e-3, relaxation: 0.0, stiffness: 1.0 }.scene(3000);
+    let out = |k: i32| crate::engine::rotation(f64::from(k) * 0.002) * vec2(100.0, 0.0);
+    let poses = (0..3000).map(|k| Pose { position: out(k), orientation: 0.0 }).collect();
+    let twists = (0..3000).map(|k| Twist { velocity: -out(k), angular_velocity: 0.0 }).collect();
+    let mut world = World::new(scene, State::new(poses, twists), 0.1).unwrap();
+    world.advance(0.5).unwrap();
+    let before = world.state().clone();
+    let Err(AdvanceError::Crowded(crowded)) = world.advance(0.5) else { panic!("all were held") };
+    assert_eq!((crowded.others, crowded.faces, crowded.most), (2999, 0, 2_000_000));
+    assert_eq!(*world.state(), before);
+    // It goes on as if nothing had been.
+    world.advance(0.2).unwrap();
+}
+
+/// Pairs are fewer, as many and more than a word has bits, and their
+/// lists are made again while some of them touch.
+#[test]
+fn the_bits_of_touching_pairs_are_those_of_their_springs() {
+    let mut seen = Vec::new();
+    for count in [2, 32, 33, 34, 66, 600] {
+        let mut world = row(count, 0.201, 0.0);
+        // So that all pairs are listed.
+        world.shortlisting = Shortlisting::Off;
+        for step in 0..12 {
+            world.advance(if step == 0 { 1e-4 } else { 0.02 }).unwrap();
+            let (marked, pairs) = world.scratch.blocks.marked();
+            assert!(marked, "{count}");
+            seen.push(pairs);
+        }
+        assert!(world.work().refreshes > 12 && world.work().contacts > 0, "{:?}", world.work());
+    }
+    assert!([31, 32, 33, 65].iter().all(|pairs| seen.contains(pairs)), "{seen:?}");
+}
+
+/// Round bodies of 0.2 m that knock against each other in a row, so far apart \[m\].
+fn row(count: usize, apart: f64, relaxation: f64) -> World {
+    let scene = RoundBody { mass: 1.0, radius: 0.1, relaxation, stiffness: 1e4 }.scene(count);
+    let poses = (0..count).map(|k| Pose { position: vec2(apart * k as f64, 0.0), orientation: 0.0 });
+    let speed = |k: usize| if k.is_multiple_of(3) { 2.0 } else { -1.0 };
+    let twists = (0..count).map(|k| Twist { velocity: vec2(speed(k), 0.0), angular_velocity: 0.0 });
+    World::new(scene, State::new(poses.collect(), twists.collect()), 1e-4).unwrap()
+}
+
+/// The outside: a world that never had that body. The last of a row, so that all others have the same numbers.
+#[test]
+fn who_is_not_there_changes_nothing_for_the_others() {
+    for shortlisting in [Shortlisting::On, Shortlisting::Off] {
+        let (mut with, mut without) = (row(6, 0.19, 0.5), row(5, 0.19, 0.5));
+        let last = BodyId(5);
+        with.set_present(last, false);
+        with.restore(with.state().clone()).unwrap();
+        let start = with.state().poses[5];
+        for world in [&mut with, &mut without] {
+            (world.shortlisting, world.drive[2].force) = (shortlisting, vec2(300.0, 10.0));
+        }
+        with.drive[5].force = vec2(1e5, 0.0);
+        for _ in 0..20 {
+            with.advance(0.01).unwrap();
+            without.advance(0.01).unwrap();
+        }
+        assert_eq!(with.state().poses[..5], without.state().poses);
+        assert_eq!(with.state().twists[..5], without.state().twists);
+        assert_eq!(with.state().disk_springs, without.state().disk_springs);
+        assert_eq!(with.exposures()[..5], *without.exposures());
+        assert_eq!(with.contacts().agent_contacts, without.contacts().agent_contacts);
+        assert_eq!((with.state().poses[5], with.state().twists[5]), (start, Twist::default()));
+        assert_eq!(with.exposures()[5], Exposure::default());
+        assert!(without.work().contacts > 0);
+    }
+}
+
+/// When a free body becomes active depends on the lists, and so do its last bits.
+#[test]
+fn a_restored_world_gives_the_same_bits_where_free_bodies_become_active() {
+    for spread in [0.3, 0.4, 0.5, 0.6, 0.8] {
+        let new = || {
+            let scene = RoundBody { mass: 1.0, radius: 0.1, relaxation: 0.5, stiffness: 1e4 }.scene(30);
+            let place = |k: u32| {
+                let jitter = 0.05 * libm::sin(7.0 * f64::from(k));
+                vec2(spread * f64::from(k % 6) + jitter, spread * f64::from(k / 6))
+            };
+            let poses = (0..30).map(|k| Pose { position: place(k), orientation: 0.1 }).collect();
+            let speed = |k: f64| vec2(libm::sin(5.0 * k), libm::cos(3.0 * k)) * 3.0;
+            let twists = (0..30).map(|k| Twist { velocity: speed(f64::from(k)), angular_velocity: 2.0 });
+            World::new(scene, State::new(poses, twists.collect()), 1e-4).unwrap()
+        };
+        let mut world = new();
+        for step in 0..60 {
+            let mut restored = new();
+            restored.restore(world.state().clone()).unwrap();
+            for world in [&mut world, &mut restored] {
+                world.advance(0.1).unwrap();
+            }
+            assert_eq!(world.state(), restored.state(), "{spread} {step}");
+        }
+        assert!(world.work().shortlisted > 0 && world.work().contacts > 0);
+    }
+}
+
+/// In the middle of a run. The total momentum of the others changes no more, and the one who comes back begins
+/// again with what it touches there.
+#[test]
+fn who_leaves_lets_go_and_may_come_back() {
+    let mut world = row(3, 0.19, 0.5);
+    let middle = BodyId(1);
+    assert_eq!(world.contacts().bodies[1].touching_bodies, 2);
+    world.set_present(middle, false);
+    assert_eq!(world.contacts().bodies[1].touching_bodies, 2, "from the next step on");
+    world.advance(0.001).unwrap();
+    assert_eq!((world.contacts().agent_contacts, world.state().disk_springs.len()), (0, 0));
+    assert_eq!(world.state().poses[1].position, vec2(0.19, 0.0));
+    world.set_present(middle, true);
+    world.advance(0.001).unwrap();
+    assert_eq!(world.contacts().bodies[1].touching_bodies, 2);
+    // Elongations begin from zero: as in a world that is made from these poses.
+    let mut anew = World::new(world.scene().clone(), world.state().clone(), 1e-4).unwrap();
+    let state = world.state().clone();
+    anew.advance(0.01).unwrap();
+    world.restore(state).unwrap();
+    world.advance(0.01).unwrap();
+    assert_eq!(anew.state(), world.state());
+}
+
+#[test]
+fn step_counts_are_integers() {
+    assert_eq!(step_count(0.02, 1e-5), Ok(2000));
+    assert_eq!(step_count(0.099_999_999_999_999_98, 1e-5), Ok(10_000));
+    assert_eq!(step_count(0.100_000_000_000_000_03, 1e-5), Ok(10_000));
+    assert_eq!(step_count(0.1, 0.03), Ok(4));
+    assert_eq!(step_count(1e-7, 1e-5), Ok(1));
+    assert!(step_count(0.0, 1e-5).is_err());
+    assert!(step_count(-0.1, 1e-5).is_err());
+    assert!(step_count(f64::NAN, 1e-5).is_err());
+    assert!(step_count(1e300, 1e-5).is_err());
+}
