@@ -16,7 +16,7 @@ command -v valgrind >/dev/null || {
     printf 'benches/instructions.sh: valgrind is missing (Debian: apt-get install valgrind)\n' >&2
     exit 1
 }
-cargo build --quiet --locked --release -p lemons-verify --features checks --example instructions
+cargo build --quiet --locked --release -p lemons-verify --features bench --example instructions
 program=$target/release/examples/instructions
 
 directory=$(mktemp -d)

@@ -9,7 +9,6 @@
 #[macro_use]
 mod print;
 
-mod bench;
 mod binary;
 mod check;
 mod connect;
@@ -99,8 +98,6 @@ enum Command {
     Describe(describe::Arguments),
     /// Compare the mechanics with analytic solutions, conservation laws and other integrators
     Verify(verify::Arguments),
-    /// Measure the time that a mechanical step takes, and what the FMU adds
-    Bench(bench::Arguments),
 }
 
 /// The commands, arguments and help of `lemons`: for its reference, man pages and completions.
@@ -197,7 +194,6 @@ fn execute(command: Command) -> Result<()> {
         Command::Info(arguments) => info::info(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Describe(arguments) => describe::describe(&arguments),
-        Command::Bench(arguments) => bench::bench(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
     }
 }

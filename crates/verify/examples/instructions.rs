@@ -1,6 +1,6 @@
 //! A run whose instructions are counted by `benches/instructions.sh`:
 //!
-//! `cargo run --release -p lemons-verify --features checks --example instructions [ROW]`
+//! `cargo run --release -p lemons-verify --features bench --example instructions [ROW]`
 //!
 //! Without a row it prints each one's name, number of people and number of mechanical steps.
 

@@ -1,7 +1,7 @@
 //! What mechanical step has which error, and what it costs, for five kinds of scene: the table of docs/step.md, with the
 //! errors over time (three minutes):
 //!
-//! `cargo run --release -p lemons-verify --features checks --example steps [TEXT]`
+//! `cargo run --release -p lemons-verify --features bench --example steps [TEXT]`
 //!
 //! With a text, only scenes with it in their names.
 

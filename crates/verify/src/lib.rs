@@ -1,10 +1,10 @@
 //! Verification of the programs.
 //!
 //! - `checks` (feature `checks`): the table of `lemons verify`
-//! - `bench` (feature `checks`): the crowds of `lemons bench`
+//! - `bench` (feature `bench`): crowds on which the engine is measured
 //! - `fuzz` (feature `fuzz`): what the fuzzers of `fuzz/` do with their bytes
 
-#[cfg(feature = "checks")]
+#[cfg(feature = "bench")]
 pub mod bench;
 #[cfg(feature = "checks")]
 pub mod checks;

@@ -1,13 +1,16 @@
-//! `lemons bench`: what a mechanical step costs, and what the FMU adds.
+//! What a mechanical step costs, and what the FMU adds:
+//!
+//! `cargo run --release -p lemons-verify --features bench --example bench -- [--only TEXT] [--runs N] [--threads N]`
 
-use crate::print;
 use anyhow::{Result, bail};
+use clap::Parser;
 use lemons_core::files::input;
 use lemons_verify::bench::{Figures, cases, fmu, measure};
 use std::io::Write;
 
-#[derive(clap::Args)]
-pub struct Arguments {
+/// Measure the time that a mechanical step takes, and what the FMU adds
+#[derive(Parser)]
+struct Arguments {
     /// Measure only crowds whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
@@ -19,14 +22,15 @@ pub struct Arguments {
     threads: u16,
 }
 
-pub fn bench(arguments: &Arguments) -> Result<()> {
-    let mut out = print::out();
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    let mut out = std::io::stdout();
     let cases = cases();
     let wanted = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only));
     if !wanted(THROUGH_FMU) && !cases.iter().any(|case| wanted(case.name)) {
         bail!("no crowd has {:?} in its name", arguments.only.as_deref().unwrap_or_default());
     }
-    let Arguments { runs, threads, .. } = arguments;
+    let Arguments { runs, threads, .. } = &arguments;
     writeln!(
         out,
         "{}\n\
