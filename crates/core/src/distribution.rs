@@ -1,6 +1,7 @@
 //! Distributions of one number. Results are the same bits on every machine because it uses `libm`, never the platform's
 //! library.
 
+use crate::require;
 use serde::{Deserialize, Serialize};
 
 /// The ratio of two polynomials, by Horner's rule; the constant coefficients are the last ones.
@@ -188,10 +189,6 @@ impl Distribution {
             }
         }
     }
-}
-
-fn require(holds: bool, otherwise: impl FnOnce() -> String) -> Result<(), String> {
-    if holds { Ok(()) } else { Err(otherwise()) }
 }
 
 #[cfg(test)]

@@ -12,3 +12,11 @@ pub mod plane;
 pub mod rule;
 pub mod trial;
 pub mod xml;
+
+/// Checks a condition; `error` says what is wrong if it does not hold.
+///
+/// # Errors
+/// It does not hold.
+pub fn require<E>(holds: bool, error: impl FnOnce() -> E) -> Result<(), E> {
+    if holds { Ok(()) } else { Err(error()) }
+}

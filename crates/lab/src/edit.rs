@@ -46,7 +46,7 @@ pub fn edited(mut driven: Driven, edits: &[Edit], crowd: Option<&Scenario>) -> R
         change(&mut driven, edit, crowd)?;
         driven.trial.interactions = Interactions::default();
     }
-    require(!driven.trial.agents.is_empty(), || "nobody would be left".into())?;
+    require(!driven.trial.agents.is_empty(), || "nobody would be left".to_owned())?;
     if crowd.is_some() && !edits.is_empty() {
         choose_mechanical_step(&mut driven.trial);
     }
@@ -119,7 +119,7 @@ fn change(driven: &mut Driven, edit: &Edit, crowd: Option<&Scenario>) -> Result<
     };
     match edit {
         Edit::Room { room } => {
-            require(crowd.is_none(), || "a crowd has its room already".into())?;
+            require(crowd.is_none(), || "a crowd has its room already".to_owned())?;
             driven.trial.geometry = room::replacing(room, &driven.trial)?;
         }
         Edit::Move { id, x, y, theta } => {

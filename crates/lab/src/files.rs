@@ -202,7 +202,7 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
     run.check_work()?;
     // A row has about 200 bytes.
     require(200 * run.people() as u64 * u64::from(steps) <= LARGEST_TABLE, || {
-        "the table is too large for a page: `lemons run` writes it from the Trial".into()
+        "the table is too large for a page: `lemons run` writes it from the Trial".to_owned()
     })?;
     let legs = of.plan.as_ref().is_some_and(|plan| plan.balance.is_some());
     let groups = Groups { active: of.plan.is_some(), legs, ..ALL };
@@ -217,7 +217,7 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
         let (iteration, limit) = (run.steps(), steps.into());
         // Without a stage of its own: the page knows it by the overlap.
         let progress = Progress { stage: Stage::Growing, iteration, limit, overlap: f64::NAN, density: 0.0 };
-        require(watch(&progress).is_continue(), || "the table was stopped".into())?;
+        require(watch(&progress).is_continue(), || "the table was stopped".to_owned())?;
         Ok::<_, Refused>(ControlFlow::Continue(()))
     };
     run.advance_with(&mut write, steps)?;

@@ -41,11 +41,12 @@ pub mod upload;
 
 use base::Base;
 use driven::Basis;
+use lemons_core::require;
 use lemons_core::trial::Rule;
 use lemons_people::placing::Watch;
 use lemons_sim::lint::{self, Files};
+use reply::within;
 pub use reply::{Refused, Reply};
-use reply::{require, within};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};

@@ -1,5 +1,6 @@
 //! Answers, and why there is none, in words of the page.
 
+use lemons_core::require;
 use lemons_scenario::{ScenarioError, named};
 use serde::Serialize;
 use serde_json::Value;
@@ -23,19 +24,14 @@ impl Reply {
     }
 }
 
-/// Why there is no answer, for the person before the page. Any error becomes one with its message.
+/// Why there is no answer, for the person before the page. Any error or text becomes one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refused(pub String);
 
-impl<E: std::error::Error> From<E> for Refused {
+impl<E: std::fmt::Display> From<E> for Refused {
     fn from(error: E) -> Refused {
         Refused(error.to_string())
     }
-}
-
-/// Checks a condition; `message` says what is wrong if it does not hold.
-pub(crate) fn require(holds: bool, message: impl FnOnce() -> String) -> Result<(), Refused> {
-    if holds { Ok(()) } else { Err(Refused(message())) }
 }
 
 /// Checks that a number is in its range. `what` names it, with its unit.

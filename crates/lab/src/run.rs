@@ -130,12 +130,12 @@ impl Run {
         let parameters = &self.driven.trial.parameters;
         let mechanical = parameters.time_step / parameters.time_step_mechanical;
         let people = self.people();
-        require(mechanical * people as f64 <= MOST_WORK, || {
+        Ok(require(mechanical * people as f64 <= MOST_WORK, || {
             format!(
                 "a TimeStep of {} s has {mechanical:.3e} mechanical steps: too many for a page with {people} people",
                 parameters.time_step
             )
-        })
+        })?)
     }
 
     /// Returns the present frame as pages keep it.

@@ -1,6 +1,6 @@
 //! An `.ssp` -> a system of instances, connected and with its parameters set.
 
-use crate::error::{Error, Place, Result, ensure, scratch};
+use crate::error::{Error, Place, Result, require, scratch};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::instance::number;
@@ -132,7 +132,7 @@ fn meaning<'a>(
 /// Checks that the dimensions of a connector are those of the FMU.
 fn check_sizes(connector: &Connector, variable: &Variable, interface: &Interface) -> Result<(), String> {
     let (said, own) = (&connector.dimensions, &variable.dimensions);
-    ensure(said.len() == own.len(), || {
+    require(said.len() == own.len(), || {
         format!("it has {} <Dimension>, but the FMU has an array of {}", said.len(), own.len())
     })?;
     for (said, own) in said.iter().zip(own) {
@@ -148,7 +148,7 @@ fn check_sizes(connector: &Connector, variable: &Variable, interface: &Interface
             }
         };
         let other = || format!("its <Dimension> says {size}, but the FMU has {} there", own.size);
-        ensure(size == own.size as u64, other)?;
+        require(size == own.size as u64, other)?;
     }
     Ok(())
 }
@@ -161,7 +161,7 @@ fn values(end: &Meaning, name: &str, indices: &[usize]) -> Result<Range<usize>, 
     }
     let (given, own) = (indices.len(), dimensions.len());
     let fits = given == own && end.element.is_none();
-    ensure(fits, || format!("{name:?} has {own} dimensions, not {given}"))?;
+    require(fits, || format!("{name:?} has {own} dimensions, not {given}"))?;
     let place = place_of(dimensions, indices)
         .ok_or_else(|| format!("{name:?} has no element {}: indices are from 1 on", written(indices)))?;
     Ok(place..place + 1)
@@ -256,6 +256,6 @@ fn set_parameter(component: &Component, name: &str, parameter: &Parameter) -> Re
         return instance.set(&instance.select([name])?, &[value]);
     }
     let fits = given == own || (given, own) == (Type::Integer, Type::Real);
-    ensure(fits, || format!("the FMU's variable is of type {own}"))?;
+    require(fits, || format!("the FMU's variable is of type {own}"))?;
     instance.set_text(&[name], text)
 }

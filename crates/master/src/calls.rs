@@ -12,7 +12,7 @@ mod values;
 
 pub use values::Value;
 
-use crate::error::{Error, Place, Result, ensure};
+use crate::error::{Error, Place, Result, require};
 use crate::messages::{Messages, prefix};
 use crate::ssp::{Interface, Type};
 use lemons_fmi::{Status, Version};
@@ -331,7 +331,9 @@ impl Instance {
         let call = self.name("SerializedFMUStateSize");
         // SAFETY: FMI's type; a state of this instance.
         unsafe { self.call(&call, |run: fmi2SerializedFMUstateSize, own| run(own, pointer, &raw mut size)) }?;
-        ensure(size <= LARGEST_STATE, || format!("{call} returned {size} bytes, more than {LARGEST_STATE}"))?;
+        require(size <= LARGEST_STATE, || {
+            format!("{call} returned {size} bytes, more than {LARGEST_STATE}")
+        })?;
         let mut bytes = Vec::new();
         bytes.try_reserve_exact(size).place(|| format!("a state of {size} bytes"))?;
         bytes.resize(size, 0_u8);
@@ -386,7 +388,7 @@ impl State<'_> {
     }
 
     fn there(&self) -> Result<*mut c_void> {
-        ensure(!self.pointer.is_null(), || "the FMU gave no state")?;
+        require(!self.pointer.is_null(), || "the FMU gave no state")?;
         Ok(self.pointer)
     }
 }

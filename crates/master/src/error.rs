@@ -2,6 +2,7 @@
 
 use crowd_mechanics::pack::PackError;
 use lemons_core::files::Scratch;
+pub use lemons_core::require;
 use lemons_core::trial::Problems;
 use lemons_core::xml::Problem;
 use lemons_sim::ClockError;
@@ -105,11 +106,6 @@ pub fn whole(error: &dyn StdError) -> String {
         cause = error.source();
     }
     text
-}
-
-/// Returns an error unless something holds.
-pub fn ensure<E>(holds: bool, error: impl FnOnce() -> E) -> Result<(), E> {
-    if holds { Ok(()) } else { Err(error()) }
 }
 
 /// Makes a temporary directory.

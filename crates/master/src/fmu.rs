@@ -2,7 +2,7 @@
 
 use crate::bundled_library::host;
 use crate::calls::Instance;
-use crate::error::{Error, Place, Result, ensure, scratch};
+use crate::error::{Error, Place, Result, require, scratch};
 use crate::file_type::FileType;
 use crate::instance::number;
 use crate::messages::Messages;
@@ -168,7 +168,7 @@ impl Fmu {
         let own = own.ok_or("the FMU is not for co-simulation")?;
         let name_of_library = library_of(&own.identifier, self.description.fmi)?;
         let library = self.directory.path().join(&name_of_library);
-        ensure(library.exists(), || {
+        require(library.exists(), || {
             let others = match &self.platforms()[..] {
                 [] => "no library for any platform".to_owned(),
                 others => format!("{} only", others.join(", ")),

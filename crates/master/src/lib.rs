@@ -24,7 +24,7 @@ mod unzip;
 pub use assemble::{Assembled, assemble};
 pub use bundled_library::{binaries_beside, binary_beside, look_in, own_binary};
 pub use calls::{Instance, LARGEST_STATE, Value};
-pub use error::{Error, Result, ensure, whole};
+pub use error::{Error, Result, require, whole};
 pub use file_type::FileType;
 pub use fmu::Fmu;
 pub use instance::Selection;

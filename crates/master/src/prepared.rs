@@ -3,7 +3,7 @@
 
 use crate::assemble::{Assembled, assemble};
 use crate::calls::Instance;
-use crate::error::{Error, Place, Result, ensure};
+use crate::error::{Error, Place, Result, require};
 use crate::file_type::FileType;
 use crate::fmu::{Fmu, driven};
 use crate::instance::Selection;
@@ -82,7 +82,7 @@ impl Prepared {
         };
         let inputs = [FileType::FMU, FileType::SSP, FileType::ARCHIVE];
         FileType::expect(&settings.input, &inputs, "an FMU or an SSP")?;
-        ensure(!matches!(settings.plan, PlanChoice::File(_)), || {
+        require(!matches!(settings.plan, PlanChoice::File(_)), || {
             let why = "is for a Trial, and not for an FMU or an SSP";
             Error::Misused(format!("--plan: a file like {DECISION_FILE} {why}"))
         })?;
@@ -161,7 +161,7 @@ fn open_fmu(settings: &Settings, parameters: &[(String, String)]) -> Result<Asse
 }
 
 fn open_ssp(settings: &Settings, parameters: &[(String, String)]) -> Result<Assembled> {
-    ensure(
+    require(
         !matches!(settings.drive, DriveChoice::File(_)),
         || "--drive: a drive is for a Trial or an FMU: in an SSP inputs are fed by connections",
     )?;

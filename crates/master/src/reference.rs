@@ -4,7 +4,7 @@
 mod layered;
 mod table;
 
-use crate::error::{Place, Result, ensure};
+use crate::error::{Place, Result, require};
 use crate::fmu::{Fmu, driven};
 use crate::instance::Selection;
 use crate::ssp::{Interface, Kind, Variable, entry};
@@ -88,15 +88,15 @@ pub fn add_reference(
     // A row has a time, too.
     let widest = results.width().max(Table::of(inputs_of).width()) as u64 + 1;
     let values = (clock.steps + 2).saturating_mul(widest);
-    ensure(results.width() > 0, || "the FMU has no output that is a number: nothing to compare".to_owned())?;
-    ensure(values <= MOST_VALUES, || {
+    require(results.width() > 0, || "the FMU has no output that is a number: nothing to compare".to_owned())?;
+    require(values <= MOST_VALUES, || {
         format!("a reference of {values} values: at most {MOST_VALUES} are packed (--until, --step)")
     })?;
     let name = documents.trial.name.clone();
     let stimuli = inputs(of, clock, &stimuli(documents, clock, experiment.tolerance)?);
     let singles = results.singles(of);
     run(&fmu, clock, experiment.tolerance, &stimuli, &Selection::new(singles), |time, values| {
-        ensure(values.iter().all(|value| value.is_finite()), || {
+        require(values.iter().all(|value| value.is_finite()), || {
             format!("an output is not finite at t = {time:?} s: a reference cannot hold it")
         })?;
         results.push(time, values);
@@ -139,7 +139,7 @@ fn replay_one(fmu: &Fmu, described: &Described, tolerance: Option<f64>) -> Resul
     let stimuli = stimuli.as_ref().map(|file| read(file, Kind::Input)).transpose()?.unwrap_or_default();
     let reference = read(references, Kind::Output)?;
     let (width, singles) = (reference.width(), reference.singles(of));
-    ensure(width > 0, || format!("{}: has no column but \"time\"", references.shown.display()))?;
+    require(width > 0, || format!("{}: has no column but \"time\"", references.shown.display()))?;
     let mut replay = Replay {
         name: name.clone(),
         clock: *clock,
@@ -163,7 +163,7 @@ fn replay_one(fmu: &Fmu, described: &Described, tolerance: Option<f64>) -> Resul
             if next > time + near && time != clock.start && time != clock.until {
                 return Ok(());
             }
-            ensure((next - time).abs() <= near, || other(row, &format!("the experiment is at {time:?}")))?;
+            require((next - time).abs() <= near, || other(row, &format!("the experiment is at {time:?}")))?;
             for ((value, reference), single) in values.iter().zip(reference.row(row)).zip(&singles) {
                 if value.to_bits() == reference.to_bits() {
                     continue;
@@ -186,7 +186,7 @@ fn replay_one(fmu: &Fmu, described: &Described, tolerance: Option<f64>) -> Resul
             row += 1;
             Ok(())
         })?;
-    ensure(row == reference.times.len(), || other(row, "the experiment has ended"))?;
+    require(row == reference.times.len(), || other(row, "the experiment has ended"))?;
     Ok(Replay { rows: row, ..replay })
 }
 

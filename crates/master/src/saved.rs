@@ -1,7 +1,7 @@
 //! A saved run: `run.toml` and the state of each component, in a zip.
 
 use crate::calls::LARGEST_STATE;
-use crate::error::{Error, Place, Result, ensure};
+use crate::error::{Error, Place, Result, require};
 use crate::file_type::FileType;
 use crate::ssp::{Allowance, entry, open_zip, sound};
 use lemons_core::files::Staged;
@@ -123,7 +123,7 @@ impl Saved {
     fn check_states(states: &[Vec<u8>], most: usize) -> Result<()> {
         let size = states.iter().fold(0, |sum: usize, state| sum.saturating_add(state.len()));
         let large = || format!("the states of all components have {size} bytes together, more than {most}");
-        Ok(ensure(size <= most, large)?)
+        Ok(require(size <= most, large)?)
     }
 
     /// Writes the archive with the states of the components; the same run gives the same bytes.
@@ -170,12 +170,12 @@ impl Saved {
             let name = &component.state;
             let (said, own) = (component.bytes, &component.name);
             let missing = || format!("it contains no {name:?}, the state of component {own:?}");
-            ensure(zip.index_for_name(name).is_some(), missing)?;
+            require(zip.index_for_name(name).is_some(), missing)?;
             // No more is unpacked than is said, and no more than is said is allocated.
             let mut bytes = Vec::new();
             left.copy(name, zip.by_name(name)?.take(said.saturating_add(1)), &mut bytes)?;
             let other = || format!("{name}: has not the {said} bytes that {RUN} says");
-            ensure(bytes.len() as u64 == said, other)?;
+            require(bytes.len() as u64 == said, other)?;
             states.push(bytes);
         }
         Ok((saved, states))
@@ -190,7 +190,7 @@ impl Saved {
             lemons: String,
         }
         let Version { format, lemons } = toml::from_str(text).map_err(wrong)?;
-        ensure(format == Saved::FORMAT, || {
+        require(format == Saved::FORMAT, || {
             let by = if lemons.is_empty() { String::new() } else { format!(" (lemons {})", quoted(&lemons)) };
             wrong(format!(
                 "format = {format}: this program knows format {} only; continue the run with the program that \
@@ -213,13 +213,15 @@ impl Saved {
             ("until", until, until.is_finite(), "finite"),
             ("time", time, time >= point && time < next, &within),
         ] {
-            ensure(is_right, || format!("{key}: {value:?}: must be {must}"))?;
+            require(is_right, || format!("{key}: {value:?}: must be {must}"))?;
         }
-        ensure(every > 0, || "every: 0: must be positive")?;
-        ensure(!self.component.is_empty(), || "component: there is none")?;
+        require(every > 0, || "every: 0: must be positive")?;
+        require(!self.component.is_empty(), || "component: there is none")?;
         let mut of = HashMap::new();
         for ComponentRecord { name, state, .. } in &self.component {
-            ensure(state != RUN, || format!("state: {state:?}: component {name:?} has no entry of its own"))?;
+            require(state != RUN, || {
+                format!("state: {state:?}: component {name:?} has no entry of its own")
+            })?;
             if let Some(other) = of.insert(state, name) {
                 return Err(
                     format!("state: {state:?}: is that of component {other:?} and of {name:?}").into()
@@ -228,7 +230,7 @@ impl Saved {
         }
         for CrowdRecord { component, extremes, since } in &self.crowd {
             let possible = extremes.are_possible() && since.is_possible();
-            ensure(possible, || format!("crowd: {component:?}: has a number that is not possible"))?;
+            require(possible, || format!("crowd: {component:?}: has a number that is not possible"))?;
         }
         Ok(())
     }
@@ -242,9 +244,9 @@ impl Saved {
             all.iter().map(|component| component.name.as_str()).collect::<Vec<_>>().join(", ")
         };
         let (there, here) = (names(&self.component), names(components));
-        ensure(there == here, || format!("the saved run is of the components {there}; here are {here}"))?;
+        require(there == here, || format!("the saved run is of the components {there}; here are {here}"))?;
         for (ComponentRecord { name, model, guid, .. }, here) in self.component.iter().zip(components) {
-            ensure(*guid == here.guid, || {
+            require(*guid == here.guid, || {
                 format!(
                     "component {name:?}: the saved run is of {model:?} with the GUID {guid}; here is {:?} with {}",
                     here.model, here.guid
@@ -252,11 +254,11 @@ impl Saved {
             })?;
         }
         let there = &self.algorithm;
-        ensure(*there == algorithm.to_string(), || {
+        require(*there == algorithm.to_string(), || {
             format!("--algorithm: the saved run has {there}, not {algorithm}")
         })?;
         let why = "the components are connected otherwise than in the saved run";
-        Ok(ensure(self.wiring == wiring, || why)?)
+        Ok(require(self.wiring == wiring, || why)?)
     }
 }
 

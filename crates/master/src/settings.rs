@@ -1,6 +1,6 @@
 //! Settings of a run.
 
-use crate::error::{Error, Place, Result, ensure};
+use crate::error::{Error, Place, Result, require};
 use crate::saved::Saved;
 use crate::trial_input::PlanChoice;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
@@ -78,21 +78,21 @@ impl Settings {
         let until = self.until.or(before.map(|before| before.until)).or(stop).unwrap_or(DEFAULT_STOP_TIME);
         let (is, first) =
             before.map_or(("it starts at", start), |before| ("the saved run is at", before.time));
-        ensure(until > first, || {
+        require(until > first, || {
             format!("nothing to simulate: {is} {first:?} s and stops at {until:?} s (--until)")
         })?;
         let step = self.step.or(before.map(|before| before.step)).or(step);
         let step = step.ok_or("no FMU has a DefaultExperiment with a stepSize: give --step")?;
         let every = self.every.or(before.map(|before| before.every)).unwrap_or(1);
         if let Some(Saved { drive: known, step: saved, every: saved_every, .. }) = before {
-            ensure(
+            require(
                 drive.fingerprint() == *known,
                 || "the saved run had another drive: give the same drive file as before, or --no-drive as before",
             )?;
-            ensure(step == *saved, || {
+            require(step == *saved, || {
                 format!("--step: a communication step of {step:?} s: the saved run has one of {saved:?} s")
             })?;
-            ensure(every == *saved_every, || {
+            require(every == *saved_every, || {
                 format!("--every: one communication point in {every}: the saved run has one in {saved_every}")
             })?;
         }

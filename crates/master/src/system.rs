@@ -11,7 +11,7 @@
 //! there are components, or until nothing changes. The longest chain without a loop then has its values.
 
 use crate::calls::{Instance, Value};
-use crate::error::{Place, Result, ensure};
+use crate::error::{Place, Result, require};
 use crate::fmu::Fmu;
 use crate::instance::Selection;
 use crate::notes;
@@ -226,7 +226,7 @@ impl System {
     /// The states belong to other components, or a component refuses its state.
     pub fn restore(&mut self, time: f64, states: &[Vec<u8>]) -> Result<()> {
         let (given, components) = (states.len(), self.components.len());
-        ensure(given == components, || format!("{given} states for {components} components"))?;
+        require(given == components, || format!("{given} states for {components} components"))?;
         self.each(|system, c| system.components[c].instance.restore(&states[c]))?;
         self.time = time;
         self.each(|system, c| system.read(c).map(drop))

@@ -1,7 +1,7 @@
 //! A Trial as users give it: its directory, or a zip of that, with the file by which its people move; and the FMU that it
 //! becomes.
 
-use crate::error::{Error, Place, Result, ensure, scratch};
+use crate::error::{Error, Place, Result, require, scratch};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::unzip::{renamed, unzip_trial};
@@ -157,7 +157,7 @@ pub fn documents_of(
         return given.documents(drive, plan);
     }
     let other = || format!("a file like {DECISION_FILE} is for a Trial, and not for an FMU");
-    ensure(!matches!(plan, PlanChoice::File(_)), other)?;
+    require(!matches!(plan, PlanChoice::File(_)), other)?;
     let fmu = Fmu::open(path)?;
     let trial = fmu.trial(None)?;
     let drive = fmu.drive(Some(&trial), drive)?;

@@ -1,6 +1,6 @@
 //! An `.fmu`, or a zip of a Trial -> its files in a directory.
 
-use crate::error::{Place, Result, ensure};
+use crate::error::{Place, Result, require};
 use crate::ssp::{Allowance, STRUCTURE_FILE, ZipFile, open_zip, sound};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use lemons_core::files::make_directories;
@@ -20,15 +20,15 @@ pub(crate) const DESCRIPTION_FILE: &str = "modelDescription.xml";
 pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) -> Result<()> {
     let zip = open_zip(path)?;
     let [is_fmu, is_ssp] = [DESCRIPTION_FILE, STRUCTURE_FILE].map(|file| zip.index_for_name(file).is_some());
-    ensure(is_fmu || !is_ssp, || "this is an SSP archive: lemons run FILE.ssp")?;
-    ensure(is_fmu, || format!("it contains no {DESCRIPTION_FILE}, so it is not an FMU"))?;
+    require(is_fmu || !is_ssp, || "this is an SSP archive: lemons run FILE.ssp")?;
+    require(is_fmu, || format!("it contains no {DESCRIPTION_FILE}, so it is not an FMU"))?;
     allowance.entries(zip.len())?;
     let mut zip = sound(zip)?;
     extract(&mut zip, directory, allowance, |_| true)?;
     let size = directory.join(DESCRIPTION_FILE).metadata()?.len();
     let most = LARGEST_DESCRIPTION / 1_000_000;
     let large = || format!("{DESCRIPTION_FILE}: is refused: more than {most} MB");
-    Ok(ensure(size <= LARGEST_DESCRIPTION, large)?)
+    Ok(require(size <= LARGEST_DESCRIPTION, large)?)
 }
 
 /// The file that makes a directory a Trial.
@@ -56,7 +56,7 @@ fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) 
         return Ok(None);
     }
     let many = || format!("{} files are in it: no zip of a Trial", zip.len());
-    ensure(zip.len() <= TRIAL_ENTRIES, many)?;
+    require(zip.len() <= TRIAL_ENTRIES, many)?;
     let mut zip = sound(zip)?;
     let names = zip.file_names().map(|name| Ok(with_slashes(&name?)));
     let mut trials = names.collect::<Result<Vec<String>>>()?;
@@ -93,7 +93,7 @@ fn extract(
     for place in 0..zip.len() {
         let entry = zip.by_index(place).place(|| format!("entry {place}"))?;
         let name = entry.name()?.into_owned();
-        ensure(!entry.is_symlink(), || format!("the entry {name:?} is a link, which is not served"))?;
+        require(!entry.is_symlink(), || format!("the entry {name:?} is a link, which is not served"))?;
         let name = with_slashes(&name);
         if !wanted(&name) {
             continue;

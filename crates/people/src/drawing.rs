@@ -237,10 +237,10 @@ fn some_of(all: &[String]) -> String {
 
 /// Refuses a name that is too long.
 fn check_name(name: &str) -> Result<()> {
-    require(name.chars().nth(MOST_LETTERS).is_none(), || {
+    Ok(require(name.chars().nth(MOST_LETTERS).is_none(), || {
         let begin: String = name.chars().take(40).collect();
         format!("the name that begins with {begin:?} has more than {MOST_LETTERS} characters: too many")
-    })
+    })?)
 }
 
 fn text(bytes: &[u8]) -> Result<&str> {
@@ -295,9 +295,9 @@ impl Tracer {
         require(self.work <= MOST_WORK, || {
             format!("entities, those of blocks counted each time, have more than {MOST_WORK} parts: too many")
         })?;
-        require(self.looked_at <= MOST, || {
+        Ok(require(self.looked_at <= MOST, || {
             format!("there are more than {MOST} entities, those of blocks counted each time: too many")
-        })
+        })?)
     }
 
     /// Takes a line. Corners that repeat the one before are left out.

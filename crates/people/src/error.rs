@@ -1,6 +1,7 @@
 //! Errors of this crate.
 
 use lemons_core::files::WriteError;
+pub(crate) use lemons_core::require;
 use std::fmt::Display;
 use thiserror::Error;
 
@@ -51,7 +52,8 @@ impl PeopleError {
     }
 }
 
-/// Checks a condition; `message` says what is wrong if it does not hold.
-pub(crate) fn require(holds: bool, message: impl FnOnce() -> String) -> Result<()> {
-    if holds { Ok(()) } else { Err(PeopleError::Impossible(message())) }
+impl From<String> for PeopleError {
+    fn from(message: String) -> PeopleError {
+        PeopleError::Impossible(message)
+    }
 }

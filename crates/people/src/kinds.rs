@@ -320,9 +320,9 @@ impl Part {
         })?;
         self.disks.iter().try_for_each(|disk| {
             let good = disk[2] >= 0.01 && disk.iter().all(|value| value.abs() <= FARTHEST);
-            require(good, || {
+            Ok(require(good, || {
                 format!("disk {disk:?}: must be within {FARTHEST} m, with a radius of at least 0.01 m")
-            })
+            })?)
         })
     }
 }

@@ -108,8 +108,8 @@ impl Person {
             })?;
         }
         let Person { breadth, depth, .. } = self;
-        require(depth <= breadth, || {
+        Ok(require(depth <= breadth, || {
             format!("chest depth = {depth} m: must not exceed the bideltoid breadth, {breadth} m")
-        })
+        })?)
     }
 }

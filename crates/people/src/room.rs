@@ -104,7 +104,7 @@ impl Room {
         let missing =
             |(k, line): (usize, &Vec<Vec2>)| line.is_empty() && (k > 0 || !self.obstacles.is_empty());
         require(!lines.iter().enumerate().any(missing), || {
-            "the outline or an obstacle has no corners".into()
+            "the outline or an obstacle has no corners".to_owned()
         })?;
         Ok(lines)
     }
@@ -142,7 +142,7 @@ impl Room {
             Edit::Clear { ring } => {
                 self.corners(ring, 0)?.clear();
                 require(!self.outline.is_empty() || before[0].is_empty(), || {
-                    "the outline or an obstacle has no corners".into()
+                    "the outline or an obstacle has no corners".to_owned()
                 })?;
                 self.obstacles.retain(|obstacle| !obstacle.is_empty());
                 self.walls.retain(|wall| !wall.corners.is_empty());
@@ -267,7 +267,7 @@ fn wall(id: String, material: &str) -> Wall {
 
 /// The corners of a wall, if a Trial may have such.
 fn checked(corners: &[Vec2]) -> Result<Vec<Vec2>> {
-    require(corners.len() > 1, || "a wall has fewer than two corners".into())?;
+    require(corners.len() > 1, || "a wall has fewer than two corners".to_owned())?;
     match corners.windows(2).find(|side| side[0] == side[1]) {
         Some(side) => Err(PeopleError::new(format!(
             "a wall has two corners in a row at ({}, {}) m",

@@ -167,9 +167,9 @@ impl TrialSettings {
         let materials = materials().intrinsic;
         let known: Vec<&str> = materials.iter().map(|material| &*material.id).collect();
         let check = |what: &str, id: &str, known: &[&str]| {
-            require(known.contains(&id), || {
+            Ok(require(known.contains(&id), || {
                 format!("{what}: there is no material {id:?}; materials are {}", known.join(", "))
-            })
+            })?)
         };
         check("people", &self.people, &SKINS)?;
         let wall = |wall: &Wall| check(&format!("wall {}", wall.id), &wall.material_id, &known);
@@ -195,9 +195,9 @@ pub fn may_write(directory: &Path, force: bool) -> Result<()> {
         return Ok(());
     }
     let is_empty = std::fs::read_dir(directory).map_err(at)?.next().is_none();
-    require(is_empty, || {
+    Ok(require(is_empty, || {
         format!("{}: is a directory that is not a Trial; use --force to write into it", directory.display())
-    })
+    })?)
 }
 
 /// Writes a Trial directory as [`Trial::write_with`] does, with names and texts of other files.

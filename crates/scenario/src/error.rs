@@ -1,5 +1,6 @@
 //! Errors of scenarios.
 
+pub(crate) use lemons_core::require;
 use lemons_people::PeopleError;
 use std::fmt::Display;
 
@@ -57,9 +58,10 @@ pub(crate) fn impossible(message: impl ToString) -> ScenarioError {
     ScenarioError::Impossible(message.to_string())
 }
 
-/// Checks a condition; `message` says what is wrong if it does not hold.
-pub(crate) fn require(holds: bool, message: impl FnOnce() -> String) -> Result<()> {
-    if holds { Ok(()) } else { Err(ScenarioError::Impossible(message())) }
+impl From<String> for ScenarioError {
+    fn from(message: String) -> ScenarioError {
+        ScenarioError::Impossible(message)
+    }
 }
 
 /// Checks that keys fit together.
@@ -69,7 +71,7 @@ pub(crate) fn fits(holds: bool, message: impl FnOnce() -> String) -> Result<()> 
 
 /// Checks that a number is in its range.
 pub(crate) fn within(what: impl Display, value: f64, [low, high]: [f64; 2]) -> Result<()> {
-    require((low..=high).contains(&value), || format!("{what} = {value}: must be from {low} to {high}"))
+    Ok(require((low..=high).contains(&value), || format!("{what} = {value}: must be from {low} to {high}"))?)
 }
 
 /// Says what an error is of.

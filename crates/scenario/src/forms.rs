@@ -149,7 +149,7 @@ impl DrawingForm {
             within(format_args!("`{key}`"), value.unwrap_or(low), [low, high])?;
         }
         let enclosed = self.enclosed || (self.obstacles.is_empty() && self.widest.is_none());
-        require(enclosed, || "`drawing`: obstacles and widest are for enclosed".into())
+        Ok(require(enclosed, || "`drawing`: obstacles and widest are for enclosed".to_owned())?)
     }
 
     /// Returns how its lines are read.
@@ -192,7 +192,7 @@ pub(crate) fn shares(mix: &BTreeMap<String, Share>) -> Result<BTreeMap<String, f
     let number = |share: &Share| if let Share::Number(number) = share { Some(*number) } else { None };
     let numbers: Vec<f64> = mix.values().filter_map(number).collect();
     require(numbers.len() + 1 >= mix.len(), || {
-        "`mix`: \"rest\" is there twice: only one kind can be the rest".into()
+        "`mix`: \"rest\" is there twice: only one kind can be the rest".to_owned()
     })?;
     let sum: f64 = numbers.iter().sum();
     let rest = 100.0 - sum;

@@ -256,7 +256,7 @@ impl Scenario {
     pub fn documents(&self, name: &str, most: u32, files: &dyn Source, watch: &mut Watch) -> Result<Made> {
         self.check()?;
         let population = self.population(files)?;
-        require(!population.has_bicycles(), || "`pedestrians`: no Trial holds bicycles".into())?;
+        require(!population.has_bicycles(), || "`pedestrians`: no Trial holds bicycles".to_owned())?;
         let place = self.place(files, self.drawn(files)?)?;
         let ready = self.ready(&population, place, most)?;
         let crowd = ready.crowd(watch)?;
@@ -302,7 +302,7 @@ impl Scenario {
         require(SKINS.contains(&self.material()), || {
             format!("`material` = {:?}: must be one of {}", self.material(), SKINS.join(", "))
         })?;
-        require(!self.round || self.mix.is_empty(), || ROUND.into())?;
+        require(!self.round || self.mix.is_empty(), || ROUND.to_owned())?;
         for (key, count) in [("doors", doors.len()), ("regions", regions.len()), ("pushes", pushes.len())] {
             require(count <= MOST_PARTS, || format!("`{key}`: {count} are more than {MOST_PARTS}"))?;
         }

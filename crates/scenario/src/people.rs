@@ -165,7 +165,7 @@ impl Scenario {
             Some(named) => population.of(named)?,
             None => population?,
         };
-        require(!self.round || mix.is_empty(), || ROUND.into())?;
+        require(!self.round || mix.is_empty(), || ROUND.to_owned())?;
         if mix.is_empty() {
             return Ok(population);
         }

@@ -198,7 +198,7 @@ impl Scenario {
         fits(self.ways_out() + doors.len() + drawn_exits > 0, || NO_WAY_OUT.into())?;
         if let Some(room) = &self.room {
             let within = grounds.iter().all(|ground| !has_regions || !ground.free.rooms.is_empty());
-            require(within, || "`regions`: more than half of one lies outside the room".into())?;
+            require(within, || "`regions`: more than half of one lies outside the room".to_owned())?;
             let lines = room.lines().of("`room`")?;
             let geometry = Room { doors: doors.clone(), ..room.clone() }.with_doors(geometry).of("`room`")?;
             return Ok(Place { grounds, geometry, lines, name, has_regions, drawn, doors, notes });

@@ -8,7 +8,7 @@ pub(crate) mod squeeze;
 use crate::error::Result;
 use crate::points::Points;
 use balance::OfBalance;
-use lemons_master::ensure;
+use lemons_core::require;
 use lemons_results::measure::{Across, Kept, within};
 use output::OfOutput;
 use places::{InArea, OverLine, Places};
@@ -86,10 +86,10 @@ impl Measure {
     pub(crate) fn check(&self, places: &Places, points: &Points) -> Result<(), String> {
         let Measure { kind, from, until } = self;
         let good = [from, until].into_iter().flatten().all(|time| *time >= 0.0 && time.is_finite());
-        ensure(good, || "from and until must be finite numbers of seconds, not below 0".to_owned())?;
+        require(good, || "from and until must be finite numbers of seconds, not below 0".to_owned())?;
         if let (Some(from), Some(until)) = (from, until) {
             let why = || format!("from = {from:?}, until = {until:?}: the beginning is not before the end");
-            ensure(from < until, why)?;
+            require(from < until, why)?;
         }
         match kind {
             // How many values or agents there are is known later.
@@ -123,7 +123,7 @@ pub(crate) fn check_number(key: &str, name: &str, any: &impl Serialize) -> Resul
     let numbers = fields(any).into_iter().filter(|(_, value)| value.is_number() || value.is_null());
     let names: Vec<String> = numbers.map(|(name, _)| name).collect();
     let known = names.iter().any(|known| known == name);
-    ensure(known, || format!("{key} = {name:?}: must be one of {}", names.join(", ")))
+    require(known, || format!("{key} = {name:?}: must be one of {}", names.join(", ")))
 }
 
 /// Checks that the function over agents is given for a number of them.
@@ -131,7 +131,7 @@ pub(crate) fn check_number(key: &str, name: &str, any: &impl Serialize) -> Resul
 /// # Errors
 /// A sentence: it is missing.
 pub(crate) fn check_across(given: Option<Across>, agents: usize) -> Result<(), String> {
-    ensure(agents <= 1 || given.is_some(), || {
+    require(agents <= 1 || given.is_some(), || {
         format!(
             "has {agents} agents: it needs across = \"max\", \"min\", \"mean\", \"median\" or \"quantile_90\""
         )

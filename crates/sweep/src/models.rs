@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::points::Points;
-use lemons_master::{PlanChoice, ensure};
+use lemons_master::{PlanChoice, require};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -85,7 +85,7 @@ impl Models {
             });
             of_points.push(place);
             let many = || format!("there are more than {MOST_MODELS} crowds, Trials, FMUs or plans");
-            ensure(all.len() <= MOST_MODELS, many)?;
+            require(all.len() <= MOST_MODELS, many)?;
         }
         Ok(Models { all, of_points: Some(of_points), chooses, first })
     }
@@ -124,7 +124,7 @@ impl Template {
     /// A sentence with a name in braces that is no parameter's; or the text is longer than any path.
     pub fn read(text: &str, directory: &Path, points: &Points) -> Result<Template, String> {
         let long = || format!("it has {} bytes: at most {LONGEST} can be a path", text.len());
-        ensure(text.len() <= LONGEST, long)?;
+        require(text.len() <= LONGEST, long)?;
         let (mut pieces, mut rest) = (Vec::new(), text);
         while let Some((before, after)) = rest.split_once('{') {
             let Some((name, further)) = after.split_once('}') else { break };

@@ -1,7 +1,7 @@
 //! Which outputs of a run are looked at, and when they end a point before its time.
 
+use lemons_core::require;
 use lemons_core::trial::Trial;
-use lemons_master::ensure;
 use lemons_results::Frame;
 use lemons_sim::settings::Selection;
 use lemons_sim::{SimError, Simulation};
@@ -74,13 +74,13 @@ impl Of {
         let name = &self.0;
         // Quantities are the only names without a capital letter or a component.
         let known = self.variables().is_some() || name.contains(|c: char| c == '.' || c.is_uppercase());
-        ensure(known, || {
+        require(known, || {
             format!(
                 "of = {name:?}: neither a quantity (lemons sweep --help) nor the name of a variable (lemons info)"
             )
         })?;
         let fits = self.is_of_agents() || agents.is_empty();
-        ensure(fits, || "agents: it is one value, and not one of each agent".into())
+        require(fits, || "agents: it is one value, and not one of each agent".into())
     }
 
     /// Returns whether there is a value for each agent.
@@ -131,7 +131,7 @@ pub(crate) fn agents_named(trial: &Trial, ids: &[String]) -> Result<Vec<usize>, 
     for id in ids {
         let place = known.iter().position(|agent| agent.id == *id);
         let place = place.ok_or_else(|| format!("there is no agent {id:?}"))?;
-        ensure(!places.contains(&place), || format!("agents: {id:?} is named twice"))?;
+        require(!places.contains(&place), || format!("agents: {id:?} is named twice"))?;
         places.push(place);
     }
     Ok(places)
@@ -162,7 +162,7 @@ impl Stop {
         let ((Some(limit), None) | (None, Some(limit))) = (self.at_least, self.at_most) else {
             return Err("it needs one of at_least and at_most".into());
         };
-        ensure(limit.is_finite(), || "its limit must be a finite number".into())
+        require(limit.is_finite(), || "its limit must be a finite number".into())
     }
 
     /// Returns whether it holds for all these values. Those of agents who have left (`None`) do not count; for nobody it does not

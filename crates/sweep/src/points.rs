@@ -2,7 +2,7 @@
 
 use crate::error::{Place, Result};
 use lemons_core::files::input;
-use lemons_master::ensure;
+use lemons_core::require;
 use serde::Deserialize;
 use sha1_smol::Sha1;
 use std::path::Path;
@@ -75,7 +75,7 @@ impl Points {
     pub fn grid(axes: Vec<(String, Vec<String>)>) -> Result<Points, String> {
         let mut count = 1_usize;
         for (name, values) in &axes {
-            ensure(!values.is_empty(), || format!("{name}: no values"))?;
+            require(!values.is_empty(), || format!("{name}: no values"))?;
             count = count.checked_mul(values.len()).filter(|n| *n <= MOST_POINTS).ok_or_else(too_many)?;
         }
         let mut repeat = count;
@@ -102,10 +102,10 @@ impl Points {
         let mut columns: Vec<Vec<String>> = vec![Vec::new(); header.len()];
         for (row, count) in reader.records().zip(1..) {
             columns.iter_mut().zip(&row?).for_each(|(column, cell)| column.push(cell.to_owned()));
-            ensure(count <= MOST_POINTS, too_many)?;
+            require(count <= MOST_POINTS, too_many)?;
         }
         let empty = columns.first().is_none_or(Vec::is_empty);
-        ensure(!empty, || "there are no points")?;
+        require(!empty, || "there are no points")?;
         let columns = header.into_iter().zip(columns).map(|(name, cells)| {
             let values = normalized(cells).place(|| name.clone())?;
             Ok((name, values))
@@ -207,11 +207,11 @@ impl Axis {
 }
 
 fn range(from: f64, to: f64, count: u32, spacing: Spacing) -> Result<Vec<f64>, String> {
-    ensure(from.is_finite() && to.is_finite(), || NOT_FINITE.to_owned())?;
+    require(from.is_finite() && to.is_finite(), || NOT_FINITE.to_owned())?;
     let possible = (2..=MOST_VALUES).contains(&count);
-    ensure(possible, || format!("count = {count}: must be from 2 to {MOST_VALUES}"))?;
+    require(possible, || format!("count = {count}: must be from 2 to {MOST_VALUES}"))?;
     let positive = spacing == Spacing::Linear || from > 0.0 && to > 0.0;
-    ensure(positive, || "spacing = \"logarithmic\": from and to must be positive".to_owned())?;
+    require(positive, || "spacing = \"logarithmic\": from and to must be positive".to_owned())?;
     let part = |k: u32| f64::from(k) / f64::from(count - 1);
     let (difference, ratio) = (to - from, to / from);
     let value = |k: u32| match (k, spacing) {
@@ -229,11 +229,11 @@ const NOT_FINITE: &str = "from and to must be finite";
 
 /// Returns all whole numbers from one to another.
 fn whole_numbers(from: f64, to: f64, spacing: Spacing) -> Result<Vec<String>, String> {
-    ensure(from.is_finite() && to.is_finite(), || NOT_FINITE.to_owned())?;
+    require(from.is_finite() && to.is_finite(), || NOT_FINITE.to_owned())?;
     let is_whole = |value: f64| value.fract() == 0.0 && value.abs() < 2f64.powi(53);
     let whole = is_whole(from) && is_whole(to) && spacing == Spacing::Linear;
-    ensure(whole, || "count: is missing; without it, from and to must be whole numbers".to_owned())?;
-    ensure(from <= to && to - from < f64::from(MOST_VALUES), || {
+    require(whole, || "count: is missing; without it, from and to must be whole numbers".to_owned())?;
+    require(from <= to && to - from < f64::from(MOST_VALUES), || {
         format!(
             "from = {from}, to = {to}: from must not be greater than to, and there are at most {MOST_VALUES} values"
         )

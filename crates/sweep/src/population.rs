@@ -3,7 +3,7 @@
 use crate::error::{Place, Result};
 use crate::points::Points;
 use lemons_core::files::source::Disk;
-use lemons_master::ensure;
+use lemons_core::require;
 use lemons_scenario::{MOST_PEOPLE, Scenario};
 use lemons_sim::Documents;
 use serde::de::Error as _;
@@ -107,7 +107,7 @@ impl Population {
     /// all doors.
     fn set(mut self, key: &str, value: &str) -> Result<Population> {
         if key == "width" {
-            ensure(!self.0.doors.is_empty(), || "there are no doors to have a width")?;
+            require(!self.0.doors.is_empty(), || "there are no doors to have a width")?;
             let width = value.parse().ok().filter(|width: &f64| width.is_finite());
             let width = width.ok_or_else(|| format!("{value:?}: must be a finite number"))?;
             self.0.doors.iter_mut().for_each(|door| door.0.width = width);

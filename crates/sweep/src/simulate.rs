@@ -7,7 +7,7 @@ use crate::models::Models;
 use crate::points::Points;
 use crate::spec::Spec;
 use lemons_core::trial::{Problems, Trial};
-use lemons_master::{documents_of, ensure};
+use lemons_master::{documents_of, require};
 use lemons_results::Frame;
 use lemons_results::measure::Over;
 use lemons_sim::lint::{self, Files};
@@ -66,7 +66,7 @@ impl Job {
         let model = LoadedModel::open(&self.spec, place, false)?;
         let same = identity::digest(&model.identity)? == self.digests[place];
         let path = self.spec.models.all[place].0.display();
-        ensure(same, || format!("{path}: it was changed while the sweep was running"))?;
+        require(same, || format!("{path}: it was changed while the sweep was running"))?;
         Ok(model)
     }
 
@@ -196,7 +196,7 @@ pub fn check_parameters(points: &Points, models: &Models, simulation: &Simulatio
         })?;
         // Drive, TimeStep and agents would be those of another Trial.
         let why = "Trials are chosen by their paths: trial = \"{NAME}\", where NAME is a parameter";
-        ensure(!names.iter().any(|name| name == "crowd.Trial"), || wrong(why.into()))?;
+        require(!names.iter().any(|name| name == "crowd.Trial"), || wrong(why.into()))?;
         if let Some(input) = names.iter().find(|name| simulation.is_fed(name)) {
             return Err(wrong(format!("overwritten by the connection that feeds {input}")));
         }
@@ -210,7 +210,7 @@ pub fn check_parameters(points: &Points, models: &Models, simulation: &Simulatio
             names.into_iter().partition(|name| name.starts_with("crowd."));
         for of_one in [crowd, decision] {
             let new = of_one.is_empty() || all.insert(of_one);
-            ensure(new, || wrong("another parameter sets the same".into()))?;
+            require(new, || wrong("another parameter sets the same".into()))?;
         }
     }
     Ok(())

@@ -10,7 +10,7 @@ use crate::population::Population;
 use crate::table::{ERROR, POINT, STATUS};
 use lemons_core::files::input;
 use lemons_core::trial::DriveChoice;
-use lemons_master::{FileType, PlanChoice, ensure};
+use lemons_master::{FileType, PlanChoice, require};
 use lemons_sim::{Algorithm, Until};
 use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
@@ -146,16 +146,16 @@ impl Spec {
             _ => return Err("give one of the keys trial, fmu and scenario, or [population]".into()),
         };
         for (name, given) in [("plan", document.plan.is_some()), ("drive", document.drive.is_some())] {
-            ensure(!given || population.is_none(), || format!("{name}: is not for a [population]"))?;
+            require(!given || population.is_none(), || format!("{name}: is not for a [population]"))?;
         }
         if let Some(population) = &population {
             population.check().place(|| "population".into())?;
         }
         let plan_of_fmu = key == "fmu" && document.plan.is_some();
-        ensure(!plan_of_fmu, || "plan: is for a trial, and not for an fmu")?;
+        require(!plan_of_fmu, || "plan: is for a trial, and not for an fmu")?;
         for (key, value) in [("until", Some(document.until.latest())), ("step", document.step)] {
             let positive = value.is_none_or(|value| value > 0.0 && value.is_finite());
-            ensure(positive, || format!("{key}: must be a positive number of seconds"))?;
+            require(positive, || format!("{key}: must be a positive number of seconds"))?;
         }
         let points = match (document.parameters, document.table) {
             (Some(axes), None) => {
@@ -180,11 +180,11 @@ impl Spec {
             let measure = Measure::read(value).place(|| format!("measures: {name}"))?;
             measures.push((name, measure));
         }
-        ensure(!measures.is_empty(), || "measures: must not be empty")?;
+        require(!measures.is_empty(), || "measures: must not be empty")?;
         let mut names = HashSet::from(RESERVED);
         let given = points.parameters.iter().map(|parameter| &parameter.name);
         for name in given.chain(measures.iter().map(|(name, _)| name)) {
-            ensure(names.insert(name), || {
+            require(names.insert(name), || {
                 format!("{name:?}: the table already has a column with this name")
             })?;
         }
@@ -195,7 +195,7 @@ impl Spec {
             measure.check(&places, &points).place(|| format!("measures: {name}"))?;
         }
         let used = places.walkable.is_none() || !places.areas.is_empty();
-        ensure(used, || "walkable: is for [areas], and there are none")?;
+        require(used, || "walkable: is for [areas], and there are none")?;
         if let Some(stop) = &document.stop {
             stop.check().place(|| "stop".into())?;
         }
@@ -268,7 +268,7 @@ impl Spec {
 fn check_directories(points: &Points) -> Result<()> {
     let mut seen = HashSet::new();
     for (_, directory) in points.output_directories() {
-        ensure(seen.insert(directory), || {
+        require(seen.insert(directory), || {
             format!(
                 "{OUTPUT_DIRECTORY} = {directory:?}: two points have it, and would overwrite each other's files; with \
                  a table of points, each can have its own"

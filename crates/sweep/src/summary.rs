@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::points::Points;
 use crate::spec::ENDED;
 use crate::table::{Finished, Measured};
-use lemons_master::ensure;
+use lemons_core::require;
 use lemons_results::measure::quantile;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
@@ -20,7 +20,7 @@ const QUANTILES: [(f64, &str); 3] = [(0.1, "quantile_10"), (0.5, "median"), (0.9
 /// One is not.
 pub fn check_over(points: &Points, over: &[String]) -> Result<()> {
     let known = |name: &String| points.parameters.iter().any(|own| own.name == *name);
-    over.iter().try_for_each(|name| Ok(ensure(known(name), || format!("there is no parameter {name:?}"))?))
+    over.iter().try_for_each(|name| Ok(require(known(name), || format!("there is no parameter {name:?}"))?))
 }
 
 /// Returns a table in CSV with a row for each case: the runs that differ only in the parameters `over`, such as a seed. Of

@@ -8,7 +8,7 @@
 use crate::error::{Error, Place, Result};
 use crate::points::Points;
 use lemons_core::files::Staged;
-use lemons_master::ensure;
+use lemons_core::require;
 use serde_json::{Map, Value};
 use std::fs::{File, TryLockError};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -163,7 +163,7 @@ impl Table {
             let keys = identity.keys().chain(before.keys().filter(|key| !identity.contains_key(*key)));
             let differ = keys.filter(|key| identity.get(*key) != before.get(*key));
             let differ = differ.map(String::as_str).collect::<Vec<_>>().join(", ");
-            ensure(differ.is_empty(), || {
+            require(differ.is_empty(), || {
                 let other = format!("{shown} is the table of another sweep: it differs in {differ}");
                 Error::Table(format!("{other}; give another file, or remove this one"))
             })?;
@@ -204,13 +204,13 @@ impl Table {
 
     /// Returns what a row says.
     fn finished(&self, row: &csv::StringRecord, width: usize) -> Result<Finished, String> {
-        ensure(row.len() == width, || format!("has {} columns, not {width}", row.len()))?;
+        require(row.len() == width, || format!("has {} columns, not {width}", row.len()))?;
         let point = row[0].parse().ok().filter(|point: &usize| *point < self.points.count);
         let point = point.ok_or_else(|| format!("there is no point {:?}", &row[0]))?;
         // Both the number and the values of a point must be those of this sweep.
         for (cell, parameter) in row.iter().skip(1).zip(&self.points.parameters) {
             let other = || format!("column {}: {cell:?} is not the value of point {point}", parameter.name);
-            ensure(cell == parameter.at(point), other)?;
+            require(cell == parameter.at(point), other)?;
         }
         let first = 1 + self.points.parameters.len();
         let outcome = match (&row[width - 2], &row[width - 1]) {

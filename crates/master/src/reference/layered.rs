@@ -3,7 +3,7 @@
 //! (<https://github.com/modelica/ma-hs-experiments>).
 
 use super::Experiment;
-use crate::error::{Place, Result, ensure};
+use crate::error::{Place, Result, require};
 use crate::fmu::Fmu;
 use crate::ssp::Interface;
 use lemons_core::files::input;
@@ -89,7 +89,7 @@ pub(super) fn experiments(name: &str, clock: Clock, experiment: &Experiment, sti
 /// Reads the experiments of an FMU that have reference results.
 pub(super) fn read(fmu: &Fmu) -> Result<Vec<Described>> {
     let manifest = inside(fmu, &format!("{DIRECTORY}/{MANIFEST}"));
-    ensure(manifest.path.is_file(), || {
+    require(manifest.path.is_file(), || {
         format!("{}: it holds no reference ({DIRECTORY}); lemons pack --reference adds one", fmu.shown())
     })?;
     let bytes = manifest.bytes()?;
@@ -112,7 +112,7 @@ pub(super) fn read(fmu: &Fmu) -> Result<Vec<Described>> {
             }
         }
     }
-    ensure(!described.is_empty(), || {
+    require(!described.is_empty(), || {
         format!("{}: no experiment ({EXPERIMENTS_TYPE}) with reference results", manifest.shown.display())
     })?;
     Ok(described)

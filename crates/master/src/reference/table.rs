@@ -1,7 +1,7 @@
 //! Inputs or outputs of an FMU over time, in CSV as the tools page of fmi-standard.org wants it: names in double quotes, a
 //! column for each variable, the elements of an array between spaces, Booleans as 0 and 1.
 
-use crate::error::{Error, Place, Result, ensure};
+use crate::error::{Error, Place, Result, require};
 use crate::ssp::{Interface, Kind, Single, Type, Variable};
 use lemons_core::files::input;
 use lemons_core::xml::{decimal, quoted};
@@ -132,7 +132,7 @@ impl Table {
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(file);
         let header = reader.headers().place(|| shown.display().to_string())?.clone();
         let first = header.get(0).map(|name| name.trim_start_matches('\u{feff}').trim_matches('"'));
-        ensure(first == Some("time"), || at(1, "the first column must be \"time\"".into()))?;
+        require(first == Some("time"), || at(1, "the first column must be \"time\"".into()))?;
         let mut variables: Vec<&Variable> = Vec::new();
         for name in header.iter().skip(1) {
             let variable = interface.variable(name).filter(|it| it.kind == Some(kind) && is_number(it));
@@ -143,7 +143,7 @@ impl Table {
         let mut names: Vec<&str> = variables.iter().map(|variable| variable.name.as_str()).collect();
         names.sort_unstable();
         let twice = names.windows(2).find(|two| two[0] == two[1]);
-        ensure(twice.is_none(), || {
+        require(twice.is_none(), || {
             at(1, format!("two columns are {}", quoted(twice.map_or("", |it| it[0]))))
         })?;
         let mut table = Table::of(variables);
@@ -151,7 +151,7 @@ impl Table {
         while reader.read_record(&mut record).place(|| shown.display().to_string())? {
             let line = record.position().map_or(0, csv::Position::line);
             let (has, columns) = (record.len(), header.len());
-            ensure(has == columns, || at(line, format!("has {has} values instead of {columns}")))?;
+            require(has == columns, || at(line, format!("has {has} values instead of {columns}")))?;
             let wrong = |column: &str, text: &str, must: &str| {
                 at(line, format!("{}: {}: {must}", quoted(column), quoted(text)))
             };
@@ -160,7 +160,7 @@ impl Table {
             };
             let time = number("time", &record[0])?;
             let ascends = table.times.last().is_none_or(|last| *last < time);
-            ensure(ascends, || wrong("time", &record[0], "does not come after the row before"))?;
+            require(ascends, || wrong("time", &record[0], "does not come after the row before"))?;
             table.times.push(time);
             for (Column { name, count, .. }, text) in table.columns.iter().zip(record.iter().skip(1)) {
                 let before = table.values.len();
@@ -168,12 +168,12 @@ impl Table {
                     table.values.push(number(name, part)?);
                 }
                 let has = table.values.len() - before;
-                ensure(has == *count, || {
+                require(has == *count, || {
                     wrong(name, text, &format!("has {has} numbers instead of {count}"))
                 })?;
             }
         }
-        ensure(!table.times.is_empty(), || at(1, "there are no rows".into()))?;
+        require(!table.times.is_empty(), || at(1, "there are no rows".into()))?;
         Ok(table)
     }
 }

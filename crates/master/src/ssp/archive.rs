@@ -1,6 +1,6 @@
 //! The `.ssp`: a zip of `SystemStructure.ssd` and what it names; how much may be unpacked.
 
-use crate::error::{Place, Result, ensure};
+use crate::error::{Place, Result, require};
 use crate::ssp::document::{STRUCTURE_FILE, SystemStructure};
 use crate::ssp::read::read;
 use lemons_core::files::{Staged, input};
@@ -111,11 +111,11 @@ impl Archive {
         // Some tools do not encode: there a percent sign is itself.
         let names = [decoded.as_ref(), source].map(|name| name.trim_start_matches("./").to_owned());
         let outside = names.iter().any(|name| leads_outside(name));
-        ensure(!outside, || "leads outside of the archive")?;
+        require(!outside, || "leads outside of the archive")?;
         let name = names.iter().find(|name| self.zip.index_for_name(name).is_some());
         let name = name.ok_or_else(|| format!("there is no {} in the archive", names[0]))?;
         let entry = self.zip.by_name(name)?;
-        ensure(entry.is_file(), || format!("{name} is not a file"))?;
+        require(entry.is_file(), || format!("{name} is not a file"))?;
         allowance.copy(name, entry, to)
     }
 }
@@ -135,13 +135,13 @@ pub fn sound<R: Read + Seek>(zip: ZipArchive<R>) -> Result<ZipArchive<R>> {
     let mut seen = HashMap::new();
     for name in zip.file_names() {
         let name = name?.into_owned();
-        ensure(!leads_outside(&name), || format!("the entry {name:?} leads outside of the archive"))?;
+        require(!leads_outside(&name), || format!("the entry {name:?} leads outside of the archive"))?;
         if let Some(other) = seen.insert(plain(&name), name.clone()) {
             return Err(format!("the entries {other:?} and {name:?} have one name").into());
         }
     }
     // The reader keeps the last entry of a name only.
-    ensure(!zip.has_duplicate_names(), || "two entries have the same name")?;
+    require(!zip.has_duplicate_names(), || "two entries have the same name")?;
     Ok(zip)
 }
 

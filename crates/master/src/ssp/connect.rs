@@ -1,6 +1,6 @@
 //! Interfaces -> the structure that connects every output with the inputs of the same name.
 
-use crate::error::{Result, ensure};
+use crate::error::{Result, require};
 use crate::ssp::choice::Choice;
 use crate::ssp::document::Kind;
 use crate::ssp::interface::{Single, Variable};
@@ -117,8 +117,8 @@ pub fn connect(name: &str, participants: &[Participant], chosen: &[(String, Stri
         let more = problems.split_off(LISTED).len();
         problems.push(format!("… and {more} more like these"));
     }
-    ensure(problems.is_empty(), || problems.join("\n"))?;
-    ensure(!pairs.is_empty(), || {
+    require(problems.is_empty(), || problems.join("\n"))?;
+    require(!pairs.is_empty(), || {
         let why = "no output has the name of an input of another FMU: nothing to connect";
         format!("{why}\n{}", participants.iter().map(summary).collect::<Vec<String>>().join("\n"))
     })?;

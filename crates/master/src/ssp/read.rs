@@ -1,6 +1,6 @@
 //! `SystemStructure.ssd` and the `.ssv` files that it names -> [`SystemStructure`].
 
-use crate::error::{Result, ensure};
+use crate::error::{Result, require};
 use crate::ssp::document::{
     Component, Connection, Connector, Extent, Kind, Parameter, Port, STRUCTURE_FILE, SystemStructure, Type,
 };
@@ -26,7 +26,7 @@ pub(crate) fn read(bytes: &[u8], load: Load) -> Result<SystemStructure> {
     let root = document.root("SystemStructureDescription")?;
     let version = root.text("version")?;
     let served = ["1.", "2."].iter().any(|begin| version.trim().starts_with(begin));
-    ensure(served, || root.wrong("version", "only SSP 1.x and 2.x are served"))?;
+    require(served, || root.wrong("version", "only SSP 1.x and 2.x are served"))?;
     let system = root.child("System").ok_or_else(|| root.problem("has no <System>"))?;
     let mut structure = SystemStructure { units: read_units(root, "Units")?, ..SystemStructure::default() };
     if let Some(experiment) = root.child("DefaultExperiment") {
@@ -41,11 +41,11 @@ pub(crate) fn read(bytes: &[u8], load: Load) -> Result<SystemStructure> {
         }
         let component = read_component(element)?;
         let known = structure.components.iter().any(|other| other.name == component.name);
-        ensure(!known, || element.wrong("name", "two components have this name"))?;
+        require(!known, || element.wrong("name", "two components have this name"))?;
         read_bindings(element, Some(structure.components.len()), &mut structure, load)?;
         structure.components.push(component);
     }
-    ensure(!structure.components.is_empty(), || system.problem("has no <Component>"))?;
+    require(!structure.components.is_empty(), || system.problem("has no <Component>"))?;
     read_bindings(system, None, &mut structure, load)?;
     let outside = read_connectors(system)?;
     for element in system.child("Connections").into_iter().flat_map(|list| list.children("Connection")) {
@@ -57,11 +57,11 @@ pub(crate) fn read(bytes: &[u8], load: Load) -> Result<SystemStructure> {
 /// Reads a component, but for its parameters.
 fn read_component(element: Element) -> Result<Component> {
     let (name, source) = (element.text("name")?.to_owned(), element.text("source")?.to_owned());
-    ensure(!name.is_empty(), || element.wrong("name", "must not be empty"))?;
+    require(!name.is_empty(), || element.wrong("name", "must not be empty"))?;
     let is_fmu = element.optional("type").is_none_or(|of| of == FMU_TYPE);
-    ensure(is_fmu, || element.wrong("type", "is not served: only FMUs are"))?;
+    require(is_fmu, || element.wrong("type", "is not served: only FMUs are"))?;
     let exchange = element.optional("implementation") == Some("ModelExchange");
-    ensure(!exchange, || element.wrong("implementation", "is not served: only co-simulation is"))?;
+    require(!exchange, || element.wrong("implementation", "is not served: only co-simulation is"))?;
     let (connectors, place) = (read_connectors(element)?, element.wrong("source", ""));
     Ok(Component { name, source, connectors, place })
 }
@@ -82,7 +82,7 @@ fn read_connectors(owner: Element) -> Result<BTreeMap<String, Connector>> {
             place: element.wrong("name", ""),
         };
         let same = connectors.insert(element.text("name")?.to_owned(), connector);
-        ensure(same.is_none(), || element.wrong("name", "two connectors have this name"))?;
+        require(same.is_none(), || element.wrong("name", "two connectors have this name"))?;
     }
     Ok(connectors)
 }
@@ -172,7 +172,7 @@ fn read_end(
     let component = structure.components.iter().position(|component| component.name == owner_name);
     let component = component.ok_or_else(|| element.wrong(&owner, "there is no such component"))?;
     let known = structure.components[component].connectors.contains_key(name);
-    ensure(known, || element.wrong(&connector, format!("component {owner_name:?} has no such connector")))?;
+    require(known, || element.wrong(&connector, format!("component {owner_name:?} has no such connector")))?;
     // The indices of an element of an array connector, from 1; empty for all of it.
     let all = element.optional(&indices).unwrap_or_default().split_whitespace();
     let all = all.map(|text| text.parse().ok().filter(|index| *index > 0)).collect::<Option<Vec<usize>>>();
@@ -192,7 +192,7 @@ pub(super) fn read_units(owner: Element, list: &str) -> Result<BTreeMap<String, 
             *exponent = base.parsed(name, "a whole number")?.unwrap_or(0);
         }
         let factor = base.number("factor")?.unwrap_or(1.0);
-        ensure(factor != 0.0, || base.wrong("factor", "must not be zero"))?;
+        require(factor != 0.0, || base.wrong("factor", "must not be zero"))?;
         let offset = base.number("offset")?.unwrap_or(0.0);
         units.entry(name.clone()).or_insert(Unit { name, exponents, factor, offset });
     }
@@ -209,9 +209,9 @@ fn read_bindings(
     let bindings = owner.child("ParameterBindings").into_iter();
     for binding in bindings.flat_map(|bindings| bindings.children("ParameterBinding")) {
         let is_set = binding.optional("type").is_none_or(|of| of == PARAMETER_TYPE);
-        ensure(is_set, || binding.wrong("type", "is not served: only parameter sets of SSP are"))?;
+        require(is_set, || binding.wrong("type", "is not served: only parameter sets of SSP are"))?;
         let inside = binding.optional("sourceBase").is_none_or(|base| base == "SSD");
-        ensure(inside, || binding.wrong("sourceBase", "is not served: only files of the archive are"))?;
+        require(inside, || binding.wrong("sourceBase", "is not served: only files of the archive are"))?;
         if let Some(mapping) = binding.child("ParameterMapping") {
             return Err(mapping.problem("is not served").into());
         }

@@ -2,7 +2,7 @@
 //!
 //! SSP 2.0 has no terminals, so they only say which variables are connected.
 
-use crate::error::{Result, ensure};
+use crate::error::{Result, require};
 use lemons_core::xml::{Document, Element};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -59,7 +59,7 @@ impl Terminal {
                 Matching::Names => member.text("memberName")?,
                 Matching::Places => member.optional("memberName").unwrap_or_default(),
             };
-            ensure(matching == Matching::Places || names.insert(name), || {
+            require(matching == Matching::Places || names.insert(name), || {
                 member.wrong("memberName", "another member of the terminal has this name").to_string()
             })?;
             members.push((name.to_owned(), member.text("variableName")?.to_owned()));

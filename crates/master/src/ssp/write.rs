@@ -1,6 +1,6 @@
 //! FMUs and connections between them -> `SystemStructure.ssd`.
 
-use crate::error::{Result, ensure};
+use crate::error::{Result, require};
 use crate::ssp::document::{Kind, Type};
 use crate::ssp::interface::{Interface, Variable};
 use crate::ssp::participant::{End, Pair, Participant, owner};
@@ -97,7 +97,7 @@ fn units_of<'a>(
             let unit = variable.unit.as_ref().and_then(|name| participant.interface.unit(name));
             let Some(unit) = unit else { continue };
             let is_same = units.entry(&*unit.name).or_insert(unit).is_same(unit);
-            ensure(is_same, || {
+            require(is_same, || {
                 let (of, by, name) = (&variable.name, &participant.name, &unit.name);
                 format!("{of}: {by} means another unit by {name:?} than another FMU")
             })?;

@@ -106,11 +106,11 @@ fn refuse_many(pieces: &[Piece]) -> Result<()> {
         let on = |other: &Piece| (other.class, other.from) < (piece.class, piece.to - SAME);
         pairs += pieces[k + 1..].partition_point(on);
     }
-    require(pairs <= MOST_PAIRS, || {
+    Ok(require(pairs <= MOST_PAIRS, || {
         format!(
             "pieces of walls lie on each other in {pairs} pairs; at most {MOST_PAIRS} are allowed: draw each wall once"
         )
-    })
+    })?)
 }
 
 #[cfg(test)]

@@ -96,7 +96,7 @@ impl Arc {
 }
 
 pub(super) fn check_length(corners: usize) -> Result<()> {
-    require(corners <= MOST, || format!("it has more than {MOST} corners: too many"))
+    Ok(require(corners <= MOST, || format!("it has more than {MOST} corners: too many"))?)
 }
 
 /// Returns a number of pieces, at least 1. Refuses too many, and what is not a number.
@@ -158,9 +158,10 @@ impl Spline {
         })?;
         let ordered = knots.windows(2).all(|pair| pair[0] <= pair[1]) && knots[*degree] < knots[points];
         require(ordered, || "its knots do not ascend".to_owned())?;
-        require(weights.is_empty() || weights.len() == points && weights.iter().all(|w| *w > 0.0), || {
-            "weights must be positive, one for each control point".to_owned()
-        })
+        Ok(require(
+            weights.is_empty() || weights.len() == points && weights.iter().all(|w| *w > 0.0),
+            || "weights must be positive, one for each control point".to_owned(),
+        )?)
     }
 
     /// Appends all points.

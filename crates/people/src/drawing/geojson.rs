@@ -25,9 +25,9 @@ pub(super) fn read(text: &str, reading: &Reading) -> Result<Tracer> {
 /// Earlier drafts of the format name their coordinates.
 fn refuse_degrees(value: &Value) -> Result<()> {
     let name = value["crs"]["properties"]["name"].as_str().unwrap_or("");
-    require(!name.ends_with("CRS84") && !name.ends_with(":4326"), || {
+    Ok(require(!name.ends_with("CRS84") && !name.ends_with(":4326"), || {
         format!("crs: {name:?}: coordinates are degrees; project them to metres first")
-    })
+    })?)
 }
 
 struct Walk<'t> {

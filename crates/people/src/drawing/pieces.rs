@@ -121,11 +121,11 @@ impl Grid {
             pairs.filter(|(one, other)| crosses(*one, *other)).count()
         };
         let crossings: usize = self.cells.values().map(count).sum();
-        require(crossings <= MOST_CROSSINGS, || {
+        Ok(require(crossings <= MOST_CROSSINGS, || {
             format!(
                 "lines cross each other at more than {MOST_CROSSINGS} places: too many to look for walls: choose layers"
             )
-        })
+        })?)
     }
 
     fn cell(at: Vec2, size: f64) -> (i64, i64) {

@@ -104,7 +104,7 @@ impl Region {
             }
             named.push((format!("wall {}", wall.id), wall.corners.as_slice()));
         }
-        require(!named.is_empty(), || "no walls: nothing bounds the region".into())?;
+        require(!named.is_empty(), || "no walls: nothing bounds the region".to_owned())?;
         let area = |k: usize| Ring::through(named[k].1.to_vec()).map_or(0.0, |ring| ring.area());
         let largest = (0..named.len()).max_by(|&a, &b| area(a).total_cmp(&area(b)));
         named.swap(0, largest.unwrap_or(0));
@@ -270,9 +270,9 @@ fn too_few(name: &str, corners: usize) -> PeopleError {
 }
 
 fn check_area(name: &str, area: f64) -> Result<()> {
-    require(area >= SMALLEST_AREA, || {
+    Ok(require(area >= SMALLEST_AREA, || {
         format!("{name}: its area is {area} m²; at least {SMALLEST_AREA} m² is needed")
-    })
+    })?)
 }
 
 fn checked_ring(name: &str, corners: &[Vec2]) -> Result<Ring> {

@@ -2,7 +2,7 @@
 
 use crate::measure::check_across;
 use crate::output::Of;
-use lemons_master::ensure;
+use lemons_core::require;
 use lemons_results::measure::Across;
 use serde::Deserialize;
 
@@ -62,7 +62,7 @@ impl OfOutput {
             (None, Some(_)) => {
                 return Err("level needs take = \"first_above\" or \"first_at_least\"".into());
             }
-            (_, level) => ensure(level.is_none_or(f64::is_finite), || "level is not finite")?,
+            (_, level) => require(level.is_none_or(f64::is_finite), || "level is not finite")?,
         }
         let single = agents <= 1 || matches!(self.take, Take::Max | Take::Min | Take::Mean);
         check_across(self.across, if single { 1 } else { agents })

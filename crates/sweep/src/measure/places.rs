@@ -5,8 +5,8 @@ use crate::measure::{check_number, number_of};
 use crate::points::Points;
 use lemons_core::files::input;
 use lemons_core::plane::{InPlane, Vec2};
+use lemons_core::require;
 use lemons_core::trial::Wall;
-use lemons_master::ensure;
 use lemons_results::measure::{Crossings, Density, Line, MeanMax, MeasuringArea, Passages, Room, Way};
 use lemons_results::{given_area, walkable_area};
 use serde::Deserialize;
@@ -49,7 +49,7 @@ impl OverLine {
         check_number("number", &self.number, &Crossings::default())?;
         let line = places.line(&self.line)?;
         let fits = self.width.is_none() || self.number == "specific_flow";
-        ensure(fits, || "width is for number = \"specific_flow\"".to_owned())?;
+        require(fits, || "width is for number = \"specific_flow\"".to_owned())?;
         (0..points.count).try_for_each(|point| self.width_at(point, line, points).map(drop))
     }
 
@@ -66,7 +66,7 @@ impl OverLine {
             }
         };
         let positive = width > 0.0 && width.is_finite();
-        ensure(positive, || format!("width: {width:?} is not a positive number of metres"))?;
+        require(positive, || format!("width: {width:?} is not a positive number of metres"))?;
         Ok(width)
     }
 

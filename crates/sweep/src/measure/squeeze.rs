@@ -1,6 +1,6 @@
 //! How long and how hard people are squeezed.
 
-use lemons_master::ensure;
+use lemons_core::require;
 use lemons_results::measure::{Across, By, Exposed, Exposure, SPANS};
 use serde::Deserialize;
 
@@ -78,7 +78,7 @@ impl OfSqueeze {
                 "level must be a finite number of newtons, not below 0",
             ),
         ];
-        mistakes.into_iter().try_for_each(|(holds, why)| ensure(holds, || why.to_owned()))
+        mistakes.into_iter().try_for_each(|(holds, why)| require(holds, || why.to_owned()))
     }
 
     /// Begins to sum up the squeeze of the agents at these places.

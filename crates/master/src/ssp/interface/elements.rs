@@ -8,7 +8,7 @@
 //! a number of the whole crowd, this number is called `TotalName` in FMI 3.0, and `Name` here.
 
 use super::{Dimension, Interface, Single, Variable};
-use crate::error::{Result, ensure};
+use crate::error::{Result, require};
 use crate::ssp::document::Kind;
 
 /// The structural parameter that is the number of people.
@@ -137,7 +137,7 @@ impl Interface {
         }
         let (most, all) = (super::variables::MOST_VALUES, variables.iter().map(Variable::checked_count));
         let few = all.sum::<Option<usize>>().is_some_and(|all| all <= most);
-        ensure(few, || format!("the variables would have more than {most} values in all"))?;
+        require(few, || format!("the variables would have more than {most} values in all"))?;
         variables[place].start = vec![size.to_string()];
         self.variables = variables;
         Ok(())
