@@ -87,9 +87,8 @@ struct Area {
 
 /// Returns for each tested agent the closed walls around it, from the largest on.
 fn enclosing(walls: &[Wall], places: &[Vec2], most: u64) -> Vec<(usize, Vec<usize>)> {
-    let closed = walls.iter().enumerate().filter(|(_, wall)| is_closed(&wall.corners));
-    let mut closed: Vec<(Ring, usize)> =
-        closed.filter_map(|(wall, of)| Some((Ring::through(of.corners.clone())?, wall))).collect();
+    let closed = |(wall, of): (usize, &Wall)| Some((Ring::of_closed(&of.corners)?, wall));
+    let mut closed: Vec<(Ring, usize)> = walls.iter().enumerate().filter_map(closed).collect();
     closed.sort_by(|a, b| b.0.area().total_cmp(&a.0.area()).then(a.1.cmp(&b.1)));
     if closed.is_empty() {
         return Vec::new();

@@ -11,7 +11,7 @@ use lemons_people::drawing::{
     Drawing, Format, Gap, LARGEST_DRAWING, Layer, Leads, Place, Plan, PlanSettings, Proposal, Read, sizes,
 };
 use lemons_people::room::{Edit, Room};
-use lemons_people::{Door, PeopleError, is_closed, nearest_wall};
+use lemons_people::{Door, PeopleError, nearest_wall};
 use lemons_scenario::{DrawingForm, RegionForm, Scenario, WALLS};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -86,7 +86,7 @@ pub fn drawn(RoomRequest { room, edit, near }: &RoomRequest) -> Result<Reply, Re
         let size = high - low;
         let middles: Vec<Vec2> = line.windows(2).map(|side| (side[0] + side[1]) * 0.5).collect();
         let bounds = [size.x, size.y, low.x, low.y];
-        let ring = Ring::through(line.clone()).filter(|_| is_closed(line));
+        let ring = Ring::of_closed(line);
         let upright = ring.is_some_and(|ring| ring.is_upright());
         Outline { bounds, upright, middles: points(&middles) }
     };

@@ -44,8 +44,7 @@ struct Gap<'a> {
 
 /// Returns the closed walls, in their order; doors are cut into these.
 pub fn closed_walls(geometry: &Geometry) -> Vec<Ring> {
-    let closed = geometry.walls.iter().filter(|wall| is_closed(&wall.corners));
-    closed.filter_map(|wall| Ring::through(wall.corners.clone())).collect()
+    geometry.walls.iter().filter_map(|wall| Ring::of_closed(&wall.corners)).collect()
 }
 
 /// Cuts doors into closed walls, each into the nearest. Other walls stay as they are. The first piece of a wall keeps its
@@ -214,7 +213,7 @@ impl Door {
         let line = lines[line].as_ref();
         let (from, to) = (*line.get(foot.side)?, *line.get(foot.side + 1)?);
         let along = (to - from) * (1.0 / (to - from).norm());
-        let ring = Ring::through(line.to_vec()).filter(|_| is_closed(line));
+        let ring = Ring::of_closed(line);
         let is_left = |place: Vec2| match &ring {
             // The inside of a counter-clockwise ring is to the left of its sides.
             Some(ring) => ring.contains(place) == (ring.signed_area() > 0.0),

@@ -39,6 +39,11 @@ impl Ring {
         Some(Ring { corners })
     }
 
+    /// Returns the ring of a line [that is closed](is_closed).
+    pub fn of_closed(line: &[Vec2]) -> Option<Ring> {
+        is_closed(line).then(|| Ring { corners: line.to_vec() })
+    }
+
     /// Returns the rim of a rectangle, counter-clockwise from the lowest corner.
     pub fn around(Bounds { low, high }: Bounds) -> Ring {
         Ring { corners: vec![low, vec2(high.x, low.y), high, vec2(low.x, high.y), low] }

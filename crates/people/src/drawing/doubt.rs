@@ -77,8 +77,8 @@ pub(super) fn doubt(plan: &Plan, notes: Option<&Layers>) -> Option<String> {
             100.0 * thickness
         ));
     }
-    let inner = plan.walls.iter().enumerate().filter(|(k, wall)| *k != outline && is_closed(wall));
-    let inner = inner.filter_map(|(k, wall)| Some((k, Ring::through(wall.clone())?)));
+    let others = plan.walls.iter().enumerate().filter(|(k, _)| *k != outline);
+    let inner = others.filter_map(|(k, wall)| Some((k, Ring::of_closed(wall)?)));
     let within = inner.filter(|(_, inner)| {
         let between = ring.area() - inner.area();
         inner.area() > 0.5 * ring.area()

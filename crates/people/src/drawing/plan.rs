@@ -9,7 +9,7 @@ use super::role::Role;
 use super::{Drawing, Line, is_same, some_of};
 use crate::error::{PeopleError, Result, require};
 use crate::placing::{FARTHEST, Region};
-use crate::{Door, closed_walls, is_closed};
+use crate::{Door, closed_walls};
 use lemons_core::plane::{Bounds, Ring, Vec2, nearest_on_segment};
 use lemons_core::trial::{Geometry, Wall};
 use std::collections::{BTreeMap, BTreeSet};
@@ -177,8 +177,8 @@ impl Plan {
 
     fn largest(&self) -> Option<usize> {
         let area = |(k, wall): (usize, &Vec<Vec2>)| {
-            let area = Ring::through(wall.clone())?.area();
-            (is_closed(wall) && area >= SMALLEST_AREA).then_some((k, area))
+            let area = Ring::of_closed(wall)?.area();
+            (area >= SMALLEST_AREA).then_some((k, area))
         };
         let all = self.walls.iter().enumerate().filter_map(area);
         all.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)

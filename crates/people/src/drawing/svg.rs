@@ -6,7 +6,7 @@ use super::role::Role;
 use super::trace::Trace;
 use super::{Line, Reading, Tracer, check_name};
 use crate::error::{PeopleError, Result, require};
-use lemons_core::plane::{Vec2, vec2};
+use lemons_core::plane::{Vec2, is_closed, vec2};
 use lemons_core::xml::{Document, Element};
 use std::collections::HashMap;
 use std::path::Path;
@@ -361,7 +361,7 @@ impl<'a> Walk<'a, '_> {
         self.tracer.curves += usize::from(curved);
         let lines = lines.into_iter().filter(|(corners, _)| corners.len() > 1);
         let lines = lines.map(|(corners, closed)| {
-            let returns = || layer.role.is_some() && corners.len() > 3 && corners.first() == corners.last();
+            let returns = || layer.role.is_some() && is_closed(&corners);
             let closed = closed || layer.closes() && corners.len() > 2 || returns();
             (corners, closed)
         });

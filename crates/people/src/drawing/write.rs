@@ -214,7 +214,7 @@ fn wkt(plan: &Plan) -> String {
 /// corners than polygons that are read.
 fn polygons(walls: &[Vec<Vec2>]) -> Vec<Vec<usize>> {
     let ring = |(k, wall): (usize, &Vec<Vec2>)| {
-        let ring = Ring::through(wall.clone()).filter(|_| is_closed(wall))?;
+        let ring = Ring::of_closed(wall)?;
         Some((k, ring.bounds().grown(TOUCH), ring))
     };
     let rings: Vec<(usize, Bounds, Ring)> = walls.iter().enumerate().filter_map(ring).collect();

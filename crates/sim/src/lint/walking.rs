@@ -1,6 +1,6 @@
 //! Models of walking that are used where they are known to fail; exits and ways that nobody reaches.
 
-use lemons_core::plane::{Bounds, InPlane, Ring, Vec2, is_closed, nearest_on_line, segments_cross, vec2};
+use lemons_core::plane::{Bounds, InPlane, Ring, Vec2, nearest_on_line, segments_cross, vec2};
 use lemons_core::trial::{Geometry, Rule};
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
@@ -66,8 +66,7 @@ fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
         let behind = |way: Vec2| [0.25, 0.5, 0.75].iter().all(|s| crosses(walls, at(*s), at(*s) + way));
         behind(across) || behind(-across)
     };
-    let closed: Vec<Ring> =
-        walls.iter().filter(|wall| is_closed(wall)).filter_map(|wall| Ring::through(wall.clone())).collect();
+    let closed: Vec<Ring> = walls.iter().filter_map(|wall| Ring::of_closed(wall)).collect();
     let held = |p: Vec2| closed.iter().map(|wall| wall.contains(p)).collect::<Vec<bool>>();
     let people = plan.agents.iter().take(MOST).map(|agent| held(agent.pose.position));
     let people: BTreeSet<Vec<bool>> = people.collect();
