@@ -43,7 +43,7 @@ pub use lemons_core::plane::is_closed;
 pub use lemons_core::plane::{Disk, Moments};
 pub use light_xml::light_xml;
 pub use person::{Measure, Person, Sex};
-pub use population::{Agent, CustomMeasures, Population, Proportions, Source, Statistics};
+pub use population::{Agent, CustomMeasures, Population, Source, Statistics};
 pub use shape::Shape;
 pub use survey::Survey;
 pub use table::{CrowdStatistics, KindStatistics, Summary, crowd_csv};
