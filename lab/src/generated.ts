@@ -30,7 +30,7 @@ export type Bodies = { agents: Array<[number, number]>, things: Array<[number, n
 /** Both dampings [kg/s] of a contact, and its friction: `None` for that of the Trial. */
 export type Contact<F> = { id1: string, id2: string, gamma_normal: number, gamma_tangential: number, kinetic_friction: F, };
 
-/** Statistics of each kind that a crowd has: men, women, kinds of people in the order of their names, bicycles. */
+/** Statistics of each kind that a crowd has: men, women, kinds of people in the order of their names. */
 export type CrowdStatistics = Array<KindStatistics>;
 
 /** A gap in the wall that is nearest to a point. It may go round a corner. */

@@ -3,6 +3,7 @@
 const NAMES: Record<string, string> = {
     adult: "Adult",
     backpack: "With a backpack",
+    bicycle: "On a bicycle",
     child: "Child",
     elderly: "Elderly",
     "powered-wheelchair": "Powered wheelchair",

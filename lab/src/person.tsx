@@ -103,8 +103,7 @@ export function PersonTab({ client }: { client: Client }) {
                 {!riding.value && is && <MeasureFields is={is} asked={asked} />}
                 {riding.value && (
                     <p class="note">
-                        A bicycle has the measures of one template. <code>lemons crowd --pedestrians 0.9</code> draws crowds with bicycles, as a light XML file
-                        only: the mechanics takes pedestrians, so this page neither opens nor runs them.
+                        This is the paper's bicycle. Those of a crowd have measures of their own.
                     </p>
                 )}
             </form>

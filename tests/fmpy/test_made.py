@@ -48,7 +48,7 @@ def test_a_mix_has_kinds_with_masses_and_speeds_of_their_own(tmp_path):
         assert low <= speed <= high
         assert mass > 50 if kind == "wheelchair" else mass > 9
     assert {shape.get("MaterialId") for agent in agents if agent.get("Kind") == "wheelchair" for shape in agent} == {"frame"}
-    with pytest.raises(CommandError, match='there is no kind "unicycle"; kinds are adult, backpack, child'):
+    with pytest.raises(CommandError, match='there is no kind "unicycle" .did you mean "bicycle".*; kinds are adult, backpack, bicycle, child'):
         make(number=2, box=(3, 3), mix={"unicycle": 1})
 
 

@@ -3,10 +3,7 @@
 use crate::{Refused, Reply};
 use lemons_core::plane::{Disk, Vec2};
 use lemons_core::trial::{Agent, Trial};
-use lemons_people::{
-    Kind, Kinds, Member, PAPER_BICYCLES, PART_MATERIALS, Person, Population, Proportions, Shape, Source,
-    people_fitting,
-};
+use lemons_people::{Kind, Kinds, Member, PART_MATERIALS, Person, Population, Shape, Source, people_fitting};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -39,7 +36,7 @@ pub fn all() -> Result<Reply, Refused> {
 
 fn one(kinds: &Kinds, kind: &Kind) -> Result<KindShown, Refused> {
     let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into())?;
-    let population = Population::new(Source::ansur()?, Proportions::default(), PAPER_BICYCLES)?.mixed(mix);
+    let population = Population::new(Source::ansur()?, 0.5)?.mixed(mix);
     let agent = population.agents(1).next();
     let member = agent.as_ref().and_then(|agent| agent.member());
     let disks: Vec<[f64; 3]> =

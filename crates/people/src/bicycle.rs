@@ -1,6 +1,6 @@
 //! Bicycles with their riders, seen from above: the paper's second kind of agent (section 2.1 and "Extension to
-//! arbitrary shapes"). They can be placed and written to files. The mechanics does not simulate them; neither does the
-//! paper's.
+//! arbitrary shapes"). A body of the mechanics has the disks that cover both rectangles. The paper's mechanics has no
+//! bicycles.
 
 use lemons_core::distribution::TruncatedNormal;
 use lemons_core::plane::{Disk, vec2};
@@ -16,7 +16,7 @@ pub struct Bicycle {
     pub handlebar: f64,
     /// \[m\] length of the top tube: length of the rider's rectangle.
     pub top_tube: f64,
-    /// \[kg\] mass of bicycle and rider.
+    /// \[kg\] mass of the bicycle.
     pub mass: f64,
 }
 
@@ -69,12 +69,17 @@ impl Bicycle {
         self.parts().into_iter().map(|(sign, length, breadth)| sign * length * breadth).sum()
     }
 
-    /// Returns disks that cover both rectangles, to place bicycles among people without overlap. The gaze is along +x.
+    /// Number of disks across the rider's rectangle.
+    pub const ACROSS: usize = 4;
+
+    /// Returns disks that cover the bicycle's rectangle, and those that cover the rider's, each row from right to left, the
+    /// foremost row last. The gaze is along +x.
     /// Each rectangle is cut into nearly square cells, and each cell gets the disk through its corners. The disks reach
     /// over the edge by at most a fifth of a cell's side: 1 to 2 cm beside the wheels, 3 cm beside the rider.
-    pub fn covering_disks(&self) -> Vec<Disk> {
+    pub fn covering_disks(&self) -> [Vec<Disk>; 2] {
         let [bicycle, rider] = self.rectangles();
-        let cells = |(length, breadth): (f64, f64), across: f64| {
+        let cells = |(length, breadth): (f64, f64), across: usize| {
+            let across = across as f64;
             let side = breadth / across;
             let along = libm::ceil(length / side).clamp(1.0, MOST_CELLS);
             let (a, b) = (length / along, side);
@@ -85,7 +90,7 @@ impl Bicycle {
             places(along, a)
                 .flat_map(move |x| places(across, b).map(move |y| Disk { radius, centre: vec2(x, y) }))
         };
-        cells(bicycle, 1.0).chain(cells(rider, 4.0)).collect()
+        [cells(bicycle, 1).collect(), cells(rider, Bicycle::ACROSS).collect()]
     }
 
     /// Returns the moment of inertia about the centre \[kg m²\], for a mass spread evenly over the union of both
@@ -131,7 +136,7 @@ mod tests {
     fn disks_cover_the_rectangles_closely() {
         let small = Bicycle { wheel_width: 0.06, length: 1.4, handlebar: 0.45, top_tube: 0.61, mass: 20.0 };
         for bicycle in [Bicycle::TEMPLATE, small] {
-            let disks = bicycle.covering_disks();
+            let disks = bicycle.covering_disks().concat();
             for (length, breadth) in bicycle.rectangles() {
                 for i in -50..=50 {
                     for j in -20..=20 {

@@ -1,10 +1,11 @@
-//! Kinds of people: children, the elderly, people with luggage, strollers, wheelchairs. A table says of each kind whose
+//! Kinds of people: children, the elderly, people with luggage, strollers, wheelchairs, bicycles. A table says of each kind whose
 //! body it is, what goes along with it, and how fast it walks: `data/kinds.toml`, with the source of each number.
 
 use crate::anthropometry::ansur;
+use crate::bicycle::Bicycle;
 use crate::error::{PeopleError, Result, require};
 use crate::growth::{AGES, child};
-use crate::materials::PART_MATERIALS;
+use crate::materials::{FRAME, PART_MATERIALS};
 use crate::person::{Person, Sex};
 use crate::random::Random;
 use crate::shape::Shape;
@@ -18,7 +19,7 @@ use std::sync::Arc;
 /// \[m\] Gap between an adult and the child at its hand.
 const HAND: f64 = 0.05;
 /// Names in tables that are no kinds.
-const OTHERS: [&str; 4] = ["male", "female", "pedestrian", "bicycle"];
+const OTHERS: [&str; 3] = ["male", "female", "pedestrian"];
 /// \[1/s\] Largest rate at which a floor brakes.
 const MOST_DAMPING: f64 = 1000.0;
 /// Most disks of all parts of a kind.
@@ -111,6 +112,9 @@ pub struct Kind {
     /// Whether the person sits within the parts, and has no disks of its own.
     #[serde(default)]
     pub seated: bool,
+    /// Whether the person rides a bicycle, whose measures are drawn: the disks and the mass of it come before the parts.
+    #[serde(default)]
+    pub bicycle: bool,
     /// \[m\] Height of its seat, in three dimensions.
     #[serde(default = "usual_seat")]
     pub seat: f64,
@@ -123,6 +127,9 @@ pub struct Kind {
     /// What goes along.
     #[serde(default)]
     pub parts: Vec<Part>,
+    /// What the bicycle looks like in three dimensions, from the middle of the rider.
+    #[serde(default)]
+    pub solids: Vec<Solid>,
     /// The source of each number, or that it is an assumption.
     #[serde(default)]
     pub sources: Vec<String>,
@@ -207,11 +214,14 @@ impl Kind {
                 format!("{name} = [{from}, {to}]: must be from 2 to 18 years, the lower one first")
             })?;
         }
-        require(!self.seated || self.disks() > 0, || "seated: there are no parts to sit in".to_owned())?;
+        require(self.seated || !self.bicycle, || "bicycle: who rides one is seated".to_owned())?;
+        require(!self.seated || self.bicycle || self.disks() > 0, || {
+            "seated: there are no parts to sit in".to_owned()
+        })?;
         require(!self.seated || self.companion.is_none(), || {
             "companion: nobody holds the hand of somebody who is seated".to_owned()
         })?;
-        require(!self.seated || self.looks_ahead(), || {
+        require(!self.seated || self.bicycle || self.looks_ahead(), || {
             "seated: the first disk must be the leftmost one, and the last one opposite: they say where it looks"
                 .to_owned()
         })?;
@@ -221,6 +231,10 @@ impl Kind {
         require((0.0..=2.0).contains(&self.seat), || {
             format!("seat = {} m: must be from 0 to 2 m", self.seat)
         })?;
+        require(self.bicycle || self.solids.is_empty(), || {
+            "solids: those of a part belong to it, [[parts]]; those of a kind are its bicycle".to_owned()
+        })?;
+        check_solids(&self.solids)?;
         require(self.disks() <= MOST_DISKS, || format!("{} disks: at most {MOST_DISKS}", self.disks()))?;
         self.parts
             .iter()
@@ -255,6 +269,7 @@ impl Kind {
         self: &Arc<Kind>,
         person: Person,
         companion: Option<Person>,
+        bicycle: Option<Bicycle>,
         random: &mut Random,
     ) -> Member {
         let mut speed = self.speed(&person, random);
@@ -263,6 +278,9 @@ impl Kind {
         let mut pieces = Pieces::default();
         let own: &[Disk] = if self.seated { &[] } else { &shape.disks };
         pieces.body(&shape, Vec2::zeros(), person.mass, own);
+        if let Some(bicycle) = &bicycle {
+            pieces.bicycle(bicycle);
+        }
         for part in &self.parts {
             let from = match part.from {
                 Origin::Centre => 0.0,
@@ -284,7 +302,7 @@ impl Kind {
                 shape.disks.iter().map(|disk| Disk { centre: disk.centre + at, ..*disk }).collect();
             pieces.body(&shape, at, child.mass, &disks);
         }
-        pieces.member(self.clone(), person, beside, speed)
+        Member { bicycle, ..pieces.member(self.clone(), person, beside, speed) }
     }
 }
 
@@ -310,14 +328,7 @@ impl Part {
         require(0.0 <= from && from < to && to <= FARTHEST, || {
             format!("height = [{from}, {to}]: must be from 0 to {FARTHEST} m, the lower one first")
         })?;
-        require(self.solids.len() <= MOST_SOLIDS, || {
-            format!("{} solids: at most {MOST_SOLIDS}", self.solids.len())
-        })?;
-        self.solids.iter().try_for_each(|solid| {
-            require(solid.is_possible(), || {
-                format!("solid {solid:?}: must be within {FARTHEST} m, not below the floor, from the smaller to the larger")
-            })
-        })?;
+        check_solids(&self.solids)?;
         self.disks.iter().try_for_each(|disk| {
             let good = disk[2] >= 0.01 && disk.iter().all(|value| value.abs() <= FARTHEST);
             Ok(require(good, || {
@@ -325,6 +336,15 @@ impl Part {
             })?)
         })
     }
+}
+
+fn check_solids(solids: &[Solid]) -> Result<()> {
+    require(solids.len() <= MOST_SOLIDS, || format!("{} solids: at most {MOST_SOLIDS}", solids.len()))?;
+    solids.iter().try_for_each(|solid| {
+        Ok(require(solid.is_possible(), || {
+            format!("solid {solid:?}: must be within {FARTHEST} m, not below the floor, from the smaller to the larger")
+        })?)
+    })
 }
 
 impl Solid {
@@ -376,6 +396,8 @@ pub struct Member {
     pub inertia: f64,
     /// \[m/s\] desired speed.
     pub speed: f64,
+    /// Its bicycle, if it rides one.
+    pub bicycle: Option<Bicycle>,
 }
 
 impl Member {
@@ -412,6 +434,19 @@ impl Pieces {
         self.masses.push((mass, moments.centroid, mass * moments.polar / moments.area));
     }
 
+    /// Adds a bicycle about the person: the disks of the rider's rectangle are the person's.
+    fn bicycle(&mut self, bicycle: &Bicycle) {
+        let [wheels, mut rider] = bicycle.covering_disks();
+        // Of the foremost row the left one comes first and the right one last.
+        let left = rider.pop();
+        let right = rider.len() + 1 - Bicycle::ACROSS;
+        let right = rider.remove(right);
+        self.add(left.into_iter().chain([right]), None);
+        self.add(rider.into_iter(), None);
+        self.add(wheels.into_iter(), Some(FRAME));
+        self.masses.push((bicycle.mass, Vec2::zeros(), bicycle.inertia()));
+    }
+
     fn member(self, kind: Arc<Kind>, person: Person, beside: Option<(Person, Vec2)>, speed: f64) -> Member {
         let mass: f64 = self.masses.iter().map(|part| part.0).sum();
         let centre = self.masses.iter().fold(Vec2::zeros(), |sum, part| sum + part.1 * part.0) * (1.0 / mass);
@@ -428,6 +463,7 @@ impl Pieces {
             mass,
             inertia,
             speed,
+            bicycle: None,
         }
     }
 }

@@ -44,7 +44,7 @@ pub use lemons_core::plane::{Disk, Moments};
 pub use light_xml::light_xml;
 pub use materials::{PART_MATERIALS, SKINS, materials, paper_materials};
 pub use person::{Measure, Person, Sex};
-pub use population::{Agent, CustomMeasures, Population, Proportions, Source, Statistics};
+pub use population::{Agent, CustomMeasures, Population, Source, Statistics};
 pub use shape::Shape;
 pub use survey::Survey;
 pub use table::{CrowdStatistics, KindStatistics, Summary, crowd_csv};

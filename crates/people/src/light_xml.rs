@@ -47,18 +47,18 @@ pub fn light_xml(crowd: &[(Agent, Pose)]) -> Result<String> {
 }
 
 fn write_agent(out: &mut Out, id: usize, agent: &Agent, shape: &Shape, pose: &Pose) {
-    let (kind, inertia) = match agent {
-        Agent::Pedestrian(person) => ("pedestrian", shape.inertia(person.mass)),
-        Agent::Member(member) => ("pedestrian", member.inertia),
-        Agent::Bicycle(bicycle) => ("bike", bicycle.inertia()),
+    let inertia = match agent {
+        Agent::Pedestrian(person) => shape.inertia(person.mass),
+        Agent::Member(member) => member.inertia,
     };
-    out.text("type", kind);
+    let bicycle = agent.member().and_then(|member| member.bicycle.as_ref());
+    out.text("type", bicycle.map_or("pedestrian", |_| "bike"));
     out.text("Id", &id.to_string());
     out.text("MomentOfInertia", &number(inertia));
     out.text("FloorDamping", &number(FLOOR_DAMPING));
     out.text("AngularDamping", &number(FLOOR_DAMPING));
-    out.element("Shapes", &[], |out| match agent {
-        Agent::Pedestrian(_) | Agent::Member(_) => {
+    out.element("Shapes", &[], |out| match bicycle {
+        None => {
             let of_part = |place: usize| agent.member()?.disks[place].material.as_deref();
             for (place, Disk { radius, centre }) in shape.placed(pose).enumerate() {
                 out.element(&format!("disk{place}"), &[], |out| {
@@ -70,7 +70,7 @@ fn write_agent(out: &mut Out, id: usize, agent: &Agent, shape: &Shape, pose: &Po
                 });
             }
         }
-        Agent::Bicycle(bicycle) => {
+        Some(bicycle) => {
             let parts = [("bike", "iron"), ("rider", "human_clothes")];
             for ((name, material), (length, breadth)) in parts.into_iter().zip(bicycle.rectangles()) {
                 let along_y = pose.orientation.sin().abs() > pose.orientation.cos().abs();
@@ -93,7 +93,9 @@ fn write_agent(out: &mut Out, id: usize, agent: &Agent, shape: &Shape, pose: &Po
 mod tests {
     use super::*;
     use crate::bicycle::Bicycle;
+    use crate::kinds::Kinds;
     use crate::person::{Person, Sex};
+    use crate::random::Random;
 
     #[test]
     fn the_tags_are_the_papers() {
@@ -102,7 +104,9 @@ mod tests {
         let shape = Shape::of(&person).unwrap();
         let along_y = Pose { position: vec2(1.0, 10.0), orientation: -std::f64::consts::FRAC_PI_2 };
         let poses = [Pose { position: vec2(-3.0, 7.0), orientation: 0.1 }, along_y];
-        let crowd = [(Agent::Pedestrian(person), poses[0]), (Agent::Bicycle(bicycle), poses[1])];
+        let kinds = Kinds::built_in().unwrap();
+        let rider = kinds.get("bicycle").unwrap().draw(person, None, Some(bicycle), &mut Random::new(1));
+        let crowd = [(Agent::Pedestrian(person), poses[0]), (Agent::Member(Box::new(rider)), poses[1])];
         let text = light_xml(&crowd).unwrap();
         let disk = |(place, disk): (usize, Disk)| {
             format!(
@@ -112,7 +116,7 @@ mod tests {
             )
         };
         let disks: String = shape.placed(&poses[0]).enumerate().map(disk).collect();
-        let (inertia, bicycle_inertia) = (shape.inertia(80.0), bicycle.inertia());
+        let (inertia, bicycle_inertia) = (shape.inertia(80.0), shape.inertia(80.0) + bicycle.inertia());
         let damping = "<FloorDamping>4.5</FloorDamping> <AngularDamping>4.5</AngularDamping>";
         let expected = format!(
             "<?xml version=\"1.0\" encoding=\"utf-8\"?> <Agents> <Agent> <type>pedestrian</type> <Id>0</Id> \

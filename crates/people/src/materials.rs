@@ -24,7 +24,7 @@ const SOFT: &str = "human_soft";
 
 /// Ids of the [`materials`] of what goes along with people.
 pub const PART_MATERIALS: [&str; 2] = [FRAME, LUGGAGE];
-const FRAME: &str = "frame";
+pub(crate) const FRAME: &str = "frame";
 const LUGGAGE: &str = "luggage";
 
 /// Returns the materials that people, walls and things can have: [`paper_materials`], `human_soft`, `frame`, `luggage`.

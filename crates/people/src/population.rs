@@ -1,7 +1,7 @@
 //! Populations: from which statistics people are drawn, and how many of each kind.
 
 use crate::anthropometry::{SexStatistics, ansur};
-use crate::bicycle::{BICYCLE_MEASURES, Bicycle};
+use crate::bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES};
 use crate::copula::{Copula, Correlations};
 use crate::error::{PeopleError, Result, require};
 use crate::kinds::{Body, Kind, Member, draw_child};
@@ -83,22 +83,6 @@ impl CustomMeasures {
     }
 }
 
-/// Proportions of the kinds, as probabilities of each draw.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Proportions {
-    /// Fraction of the pedestrians that are men, 0…1; the others are women.
-    pub men: f64,
-    /// Fraction of the agents that are pedestrians, 0…1; the others are bicycles with their riders.
-    pub pedestrians: f64,
-}
-
-impl Default for Proportions {
-    /// As many women as men, no bicycles.
-    fn default() -> Proportions {
-        Proportions { men: 0.5, pedestrians: 1.0 }
-    }
-}
-
 /// An agent of a mixed crowd.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Agent {
@@ -106,27 +90,24 @@ pub enum Agent {
     Pedestrian(Person),
     /// A person of some kind, with what goes along.
     Member(Box<Member>),
-    /// A bicycle with its rider.
-    Bicycle(Bicycle),
 }
 
 impl Agent {
-    /// Returns the people who stand upright, with their places \[m\] from the centre of mass: none of a bicycle or a
+    /// Returns the people who stand upright, with their places \[m\] from the centre of mass: nobody on a bicycle or in a
     /// wheelchair.
     pub fn people(&self) -> Vec<(Person, Vec2)> {
         match self {
             Agent::Pedestrian(person) => vec![(*person, Vec2::zeros())],
             Agent::Member(member) if !member.kind.seated => member.people.clone(),
-            Agent::Member(_) | Agent::Bicycle(_) => Vec::new(),
+            Agent::Member(_) => Vec::new(),
         }
     }
 
-    /// Returns all people of it, also those who sit; nobody of a bicycle.
+    /// Returns all people of it, also those who sit.
     pub fn everybody(&self) -> Vec<Person> {
         match self {
             Agent::Pedestrian(person) => vec![*person],
             Agent::Member(member) => member.people.iter().map(|(person, _)| *person).collect(),
-            Agent::Bicycle(_) => Vec::new(),
         }
     }
 
@@ -134,7 +115,7 @@ impl Agent {
     pub fn member(&self) -> Option<&Member> {
         match self {
             Agent::Member(member) => Some(member),
-            Agent::Pedestrian(_) | Agent::Bicycle(_) => None,
+            Agent::Pedestrian(_) => None,
         }
     }
 
@@ -146,8 +127,6 @@ impl Agent {
         match self {
             Agent::Pedestrian(person) => Shape::of(person),
             Agent::Member(member) => Ok(member.shape()),
-            // Both rectangles are about the centre, so their disks are too.
-            Agent::Bicycle(bicycle) => Ok(Shape { disks: bicycle.covering_disks() }),
         }
     }
 }
@@ -236,31 +215,25 @@ impl Statistics {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Population {
     source: Source,
-    proportions: Proportions,
+    /// Fraction of men, 0…1; the others are women.
+    men: f64,
     bicycles: [TruncatedNormal; 5],
     /// Kinds and their shares, which sum up to 1; empty: adults with nothing.
     mix: Vec<(Arc<Kind>, f64)>,
+    /// Those who ride, and the probability of them; the others are of the mix.
+    riders: Option<(Arc<Kind>, f64)>,
     /// Of the stature and the mass of children, in the order of [`Sex::ALL`].
     children: [Copula; 2],
 }
 
 impl Population {
-    /// Makes a population. `bicycles` are distributions as [`PAPER_BICYCLES`](crate::PAPER_BICYCLES).
+    /// Makes a population with a fraction of men, of adults with nothing.
     ///
     /// # Errors
-    /// A proportion is outside 0…1, a survey has no people of a sex whose proportion is not 0, the fixed person or a
-    /// distribution is impossible.
-    pub fn new(
-        source: Source,
-        proportions: Proportions,
-        bicycles: [TruncatedNormal; 5],
-    ) -> Result<Population> {
-        let Proportions { men, pedestrians } = proportions;
-        for (of, value) in [("men", men), ("pedestrians", pedestrians)] {
-            require((0.0..=1.0).contains(&value), || {
-                format!("proportion of {of} = {value}: must be within 0…1")
-            })?;
-        }
+    /// The fraction is outside 0…1, a survey has no people of a sex whose proportion is not 0, or the fixed person is
+    /// impossible.
+    pub fn new(source: Source, men: f64) -> Result<Population> {
+        require((0.0..=1.0).contains(&men), || format!("proportion of men = {men}: must be within 0…1"))?;
         match &source {
             Source::Statistics(_) => {}
             Source::Survey(survey) => {
@@ -272,11 +245,20 @@ impl Population {
             }
             Source::Fixed(person) => person.check().map_err(|error| error.of("the fixed person"))?,
         }
+        let [of_boys, of_girls] = Sex::ALL.map(|sex| Copula::new(&ansur(sex).spearman));
+        let children = [of_boys?, of_girls?];
+        Ok(Population { source, men, bicycles: PAPER_BICYCLES, mix: Vec::new(), riders: None, children })
+    }
+
+    /// Gives it other distributions of the measures of bicycles, in the order of [`BICYCLE_MEASURES`].
+    ///
+    /// # Errors
+    /// A distribution is impossible.
+    pub fn with_bicycles(self, bicycles: [TruncatedNormal; 5]) -> Result<Population> {
         for ((measure, _), normal) in BICYCLE_MEASURES.into_iter().zip(bicycles) {
             normal.check().map_err(|error| PeopleError::new(error).of(format!("bicycle's {measure}")))?;
         }
-        let [men, women] = Sex::ALL.map(|sex| Copula::new(&ansur(sex).spearman));
-        Ok(Population { source, proportions, bicycles, mix: Vec::new(), children: [men?, women?] })
+        Ok(Population { bicycles, ..self })
     }
 
     /// Makes it a mix of kinds, as [`Kinds::mix`](crate::Kinds::mix) returns it.
@@ -284,9 +266,20 @@ impl Population {
         Population { mix, ..self }
     }
 
+    /// Makes a fraction of it pedestrians, and all others of a kind.
+    ///
+    /// # Errors
+    /// The fraction is outside 0…1.
+    pub fn with_riders(self, pedestrians: f64, kind: Arc<Kind>) -> Result<Population> {
+        require((0.0..=1.0).contains(&pedestrians), || {
+            format!("proportion of pedestrians = {pedestrians}: must be within 0…1")
+        })?;
+        Ok(Population { riders: Some((kind, 1.0 - pedestrians)), ..self })
+    }
+
     /// Returns whether bicycles can be drawn.
     pub fn has_bicycles(&self) -> bool {
-        self.proportions.pedestrians < 1.0
+        self.mix.iter().chain(&self.riders).any(|(kind, share)| kind.bicycle && *share > 0.0)
     }
 
     /// Draws one adult.
@@ -303,7 +296,7 @@ impl Population {
 
     fn sex(&self, random: &mut Random) -> Sex {
         // `inside_unit` excludes 0 and 1: a proportion of 0 or 1 excludes the other sex.
-        if random.inside_unit() < self.proportions.men { Sex::Male } else { Sex::Female }
+        if random.inside_unit() < self.men { Sex::Male } else { Sex::Female }
     }
 
     /// Draws one child of an age between two \[years\].
@@ -320,14 +313,17 @@ impl Population {
             _ => self.draw(random),
         };
         let companion = kind.companion.map(|ages| self.draw_child(ages, random));
-        Agent::Member(Box::new(kind.draw(person, companion, random)))
+        let mut measure = |normal: TruncatedNormal| normal.quantile(random.inside_unit());
+        let bicycle = kind.bicycle.then(|| Bicycle::from_measures(self.bicycles.map(&mut measure)));
+        Agent::Member(Box::new(kind.draw(person, companion, bicycle, random)))
     }
 
-    /// Draws one agent: a pedestrian, a member of the mix, or a bicycle.
+    /// Draws one agent: a pedestrian, a member of the mix, or somebody who rides.
     fn draw_agent(&self, random: &mut Random) -> Agent {
-        if random.inside_unit() >= self.proportions.pedestrians {
-            let measures = self.bicycles.map(|normal| normal.quantile(random.inside_unit()));
-            return Agent::Bicycle(Bicycle::from_measures(measures));
+        // Also without riders: the same seed gives the same people.
+        let rank = random.inside_unit();
+        if let Some((kind, _)) = self.riders.as_ref().filter(|(_, share)| rank >= 1.0 - share) {
+            return self.draw_member(kind, random);
         }
         let Some(last) = self.mix.last() else { return Agent::Pedestrian(self.draw(random)) };
         let mut left = random.inside_unit();

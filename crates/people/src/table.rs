@@ -1,7 +1,7 @@
 //! Tables of a crowd: its agents as CSV, and its statistics.
 
 use crate::bicycle::BICYCLE_MEASURES;
-use crate::person::{Measure, Person};
+use crate::person::Measure;
 use crate::population::Agent;
 use lemons_core::xml::number;
 use serde::Serialize;
@@ -30,17 +30,18 @@ pub struct Summary {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct KindStatistics {
-    /// "male", "female", the name of a kind, or "bicycle".
+    /// "male", "female", or the name of a kind.
     pub kind: String,
     /// Number of agents.
     pub count: usize,
     /// Fraction of the whole crowd, 0…1.
     pub proportion: f64,
-    /// Statistics of each measure, in the order of [`Measure::ALL`] or [`BICYCLE_MEASURES`].
+    /// Statistics of each measure, in the order of [`Measure::ALL`]; then those of all that a member is, and of its
+    /// bicycle, [`BICYCLE_MEASURES`].
     pub measures: Vec<Summary>,
 }
 
-/// Statistics of each kind that a crowd has: men, women, kinds of people in the order of their names, bicycles.
+/// Statistics of each kind that a crowd has: men, women, kinds of people in the order of their names.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct CrowdStatistics(pub Vec<KindStatistics>);
@@ -49,16 +50,17 @@ impl CrowdStatistics {
     /// Computes the statistics of agents.
     pub fn of(agents: &[Agent]) -> CrowdStatistics {
         let people = Measure::ALL.map(|measure| (measure.name(), measure.unit()));
-        let of_kinds = [&people[..], &[("mass of all", "kg"), ("desired speed", "m/s")]].concat();
+        let of_kinds =
+            [&people[..], &[("mass of all", "kg"), ("desired speed", "m/s")], &BICYCLE_MEASURES].concat();
         let names: BTreeSet<&str> =
             agents.iter().filter_map(Agent::member).map(|of| &*of.kind.name).collect();
         let all = [("male", &people[..]), ("female", &people[..])].into_iter();
         let all = all.chain(names.into_iter().map(|name| (name, &of_kinds[..])));
-        let statistics = all.chain([("bicycle", &BICYCLE_MEASURES[..])]).filter_map(|(kind, names)| {
+        let statistics = all.filter_map(|(kind, names)| {
             let members: Vec<Vec<f64>> =
                 agents.iter().map(kind_and_measures).filter(|of| of.0 == kind).map(|of| of.1).collect();
             let column = |place: usize| members.iter().map(|member| member[place]).collect::<Vec<f64>>();
-            let measures = names.iter().enumerate();
+            let measures = names.iter().enumerate().take(members.first().map_or(0, Vec::len));
             let measures = measures.map(|(place, (name, unit))| summary(name, unit, &column(place)));
             let proportion = members.len() as f64 / agents.len() as f64;
             (!members.is_empty()).then(|| KindStatistics {
@@ -76,10 +78,11 @@ fn kind_and_measures(agent: &Agent) -> (&str, Vec<f64>) {
     match agent {
         Agent::Member(member) => {
             let (person, _) = member.people[0];
-            (&member.kind.name, [&person.measures()[..], &[member.mass, member.speed]].concat())
+            let bicycle = member.bicycle.map(|bicycle| bicycle.measures());
+            let bicycle = bicycle.as_ref().map_or(&[][..], |measures| &measures[..]);
+            (&member.kind.name, [&person.measures()[..], &[member.mass, member.speed], bicycle].concat())
         }
         Agent::Pedestrian(person) => (person.sex.name(), person.measures().to_vec()),
-        Agent::Bicycle(bicycle) => ("bicycle", bicycle.measures().to_vec()),
     }
 }
 
@@ -128,8 +131,8 @@ const COLUMNS: &str = "id,type,sex,bideltoid_breadth_m,chest_depth_m,stature_m,m
 /// Columns of members of kinds, where there are any.
 const OF_KINDS: [&str; 2] = ["mass_of_all_kg", "desired_speed_m_per_s"];
 
-/// Returns the agents as CSV, one per line with its index from 0. Cells for measures of the other kind are empty.
-/// Of a member of a kind, the measures are its person's; two more columns have the mass of all and the desired speed.
+/// Returns the agents as CSV, one per line with its index from 0. Of a member of a kind, the measures are its
+/// person's; two more columns have the mass of all and the desired speed. Cells of what somebody has not are empty.
 /// Lengths are in m, masses in kg, as the shortest decimals that are read back as the same doubles.
 pub fn crowd_csv(agents: &[Agent]) -> String {
     // Writing rows of one length into memory cannot fail, so the results are dropped.
@@ -137,36 +140,36 @@ pub fn crowd_csv(agents: &[Agent]) -> String {
     let of_kinds = if agents.iter().any(|agent| agent.member().is_some()) { &OF_KINDS[..] } else { &[] };
     let _ = writer.write_record(COLUMNS.split(',').chain(of_kinds.iter().copied()));
     for (id, agent) in agents.iter().enumerate() {
-        let (kind, sex, cells) = match agent {
-            Agent::Pedestrian(person) => ("pedestrian", person.sex.name(), cells(person)),
-            Agent::Member(member) => {
-                let (person, _) = &member.people[0];
-                (&*member.kind.name, person.sex.name(), cells(person))
-            }
-            Agent::Bicycle(bicycle) => {
-                let [wheel_width, length, handlebar, top_tube, mass] = bicycle.measures().map(Some);
-                ("bicycle", "", [None, None, None, mass, wheel_width, length, handlebar, top_tube])
-            }
+        let (kind, person) = match agent {
+            Agent::Pedestrian(person) => ("pedestrian", person),
+            Agent::Member(member) => (&*member.kind.name, &member.people[0].0),
         };
-        let row = [id.to_string(), kind.to_owned(), sex.to_owned()].into_iter();
-        let more = agent.member().map(|member| [member.mass, member.speed]);
+        let row = [id.to_string(), kind.to_owned(), person.sex.name().to_owned()].into_iter();
+        let member = agent.member();
+        let bicycle = member.and_then(|member| member.bicycle).map(|bicycle| bicycle.measures());
+        let bicycle = (0..BICYCLE_MEASURES.len() - 1).map(|place| Some(bicycle?[place]));
+        let more = member.map(|member| [member.mass, member.speed]);
         let more = (0..of_kinds.len()).map(|place| Some(more?[place]));
-        let numbers = cells.into_iter().chain(more).map(|cell| cell.map_or_else(String::new, number));
+        let numbers = person.measures().map(Some).into_iter().chain(bicycle).chain(more);
+        let numbers = numbers.map(|cell| cell.map_or_else(String::new, number));
         let _ = writer.write_record(row.chain(numbers));
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
-}
-
-fn cells(person: &Person) -> [Option<f64>; 8] {
-    let [breadth, depth, stature, mass] = person.measures().map(Some);
-    [breadth, depth, stature, mass, None, None, None, None]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::bicycle::Bicycle;
-    use crate::person::Sex;
+    use crate::person::{Person, Sex};
+
+    const MAN: Person = Person { sex: Sex::Male, breadth: 0.5, depth: 0.25, stature: 1.75, mass: 80.0 };
+
+    fn member(kind: &str, bicycle: Option<Bicycle>) -> Agent {
+        let kinds = crate::Kinds::built_in().unwrap();
+        let member = kinds.get(kind).unwrap().draw(MAN, None, bicycle, &mut crate::random::Random::new(1));
+        Agent::Member(Box::new(member))
+    }
 
     fn person(sex: Sex, breadth: f64, mass: f64) -> Agent {
         Agent::Pedestrian(Person { sex, breadth, depth: 0.25, stature: 1.75, mass })
@@ -178,7 +181,7 @@ mod tests {
             person(Sex::Female, 0.4, 50.0),
             person(Sex::Female, 0.45, 60.0),
             person(Sex::Male, 0.5, 80.0),
-            Agent::Bicycle(Bicycle::TEMPLATE),
+            member("bicycle", Some(Bicycle::TEMPLATE)),
         ];
         let statistics = CrowdStatistics::of(&agents);
         let [men, women, bicycles] = &statistics.0[..] else { panic!("{statistics:?}") };
@@ -189,7 +192,8 @@ mod tests {
         assert!((mass.sd.unwrap() - 50.0f64.sqrt()).abs() < 1e-14);
         assert_eq!((men.measures[0].mean, men.measures[0].sd), (0.5, None));
         assert_eq!(women.measures[1].sd, Some(0.0));
-        assert_eq!(bicycles.measures[1].mean, 1.42);
+        assert_eq!((bicycles.measures[3].mean, bicycles.measures[4].mean), (80.0, 110.0));
+        assert_eq!((bicycles.measures[7].measure, bicycles.measures[7].mean), ("length", 1.42));
         let shown = statistics.to_string();
         assert!(
             shown.contains("female: 2 (50.0 %)") && shown.contains("mass                 55.00 ±   7.07"),
@@ -200,19 +204,22 @@ mod tests {
 
     #[test]
     fn a_kind_has_its_own_row_and_columns() {
-        let kinds = crate::Kinds::built_in().unwrap();
-        let (suitcase, _) = kinds.mix(&[("suitcase".to_owned(), 1.0)].into()).unwrap().remove(0);
-        let man = Person { sex: Sex::Male, breadth: 0.5, depth: 0.25, stature: 1.75, mass: 80.0 };
-        let member = suitcase.draw(man, None, &mut crate::random::Random::new(1));
-        let (mass, speed) = (member.mass, member.speed);
-        let agents = [person(Sex::Female, 0.4, 50.5), Agent::Member(Box::new(member))];
+        let bicycle = Bicycle::TEMPLATE;
+        let agents =
+            [person(Sex::Female, 0.4, 50.5), member("suitcase", None), member("bicycle", Some(bicycle))];
+        let [(mass, speed), (all, riding)] =
+            [1, 2].map(|k| agents[k].member().map(|of| (of.mass, of.speed)).unwrap());
         let text = crowd_csv(&agents);
         let lines: Vec<&str> = text.lines().collect();
         assert!(lines[0].ends_with(",top_tube_m,mass_of_all_kg,desired_speed_m_per_s"));
         assert_eq!(lines[1], "0,pedestrian,female,0.4,0.25,1.75,50.5,,,,,,");
         assert_eq!(lines[2], format!("1,suitcase,male,0.5,0.25,1.75,80.0,,,,,{mass},{speed}"));
+        assert_eq!(
+            lines[3],
+            format!("2,bicycle,male,0.5,0.25,1.75,80.0,0.11137,1.42,0.59863,0.68912,{all:?},{riding}")
+        );
         let statistics = CrowdStatistics::of(&agents);
-        let [women, suitcases] = &statistics.0[..] else { panic!("{statistics:?}") };
+        let [women, _, suitcases] = &statistics.0[..] else { panic!("{statistics:?}") };
         assert_eq!((&*women.kind, &*suitcases.kind, suitcases.measures.len()), ("female", "suitcase", 6));
         assert_eq!((suitcases.measures[4].mean, suitcases.measures[5].mean), (mass, speed));
     }
@@ -221,9 +228,7 @@ mod tests {
     fn a_crowd_has_a_row_for_each() {
         let expected = "id,type,sex,bideltoid_breadth_m,chest_depth_m,stature_m,mass_kg,wheel_width_m,length_m,\
                         handlebar_m,top_tube_m\n\
-                        0,pedestrian,female,0.4,0.25,1.75,50.5,,,,\n\
-                        1,bicycle,,,,,30.0,0.11137,1.42,0.59863,0.68912\n";
-        let agents = [person(Sex::Female, 0.4, 50.5), Agent::Bicycle(Bicycle::TEMPLATE)];
-        assert_eq!(crowd_csv(&agents), expected);
+                        0,pedestrian,female,0.4,0.25,1.75,50.5,,,,\n";
+        assert_eq!(crowd_csv(&[person(Sex::Female, 0.4, 50.5)]), expected);
     }
 }

@@ -60,7 +60,7 @@ pub fn heading(degrees: f64) -> Vec2 {
     }
 }
 
-/// Makes the Trial of a crowd's pedestrians at their poses, at rest. An Id is the place in the crowd, from 0.
+/// Makes the Trial of a crowd at its poses, at rest. An Id is the place in the crowd, from 0.
 ///
 /// # Errors
 /// A person has no shape, or a material is unknown.
@@ -73,7 +73,7 @@ pub fn crowd_trial(
     settings.check(&geometry)?;
     let (mut agents, mut dynamics) = (Vec::new(), Vec::new());
     for (id, (agent, pose)) in crowd.iter().enumerate() {
-        let Some(body) = body(agent, id, settings)? else { continue };
+        let body = body(agent, id, settings)?;
         let at_rest = AgentDynamics::of(&Motion { pose: *pose, ..Motion::default() });
         let fp = settings.desired_velocity * (body.mass * FLOOR_DAMPING);
         agents.push(body);
@@ -98,10 +98,9 @@ pub fn crowd_trial(
     Ok(trial)
 }
 
-/// The body of an agent in `Agents.xml`; none of a bicycle.
-fn body(agent: &crate::Agent, id: usize, settings: &TrialSettings) -> Result<Option<Agent>> {
+/// The body of an agent in `Agents.xml`.
+fn body(agent: &crate::Agent, id: usize, settings: &TrialSettings) -> Result<Agent> {
     let (kind, stature, mass, inertia, disks) = match agent {
-        crate::Agent::Bicycle(_) => return Ok(None),
         crate::Agent::Pedestrian(person) => {
             let shape = Shape::of(person)?;
             let inertia = shape.inertia(person.mass);
@@ -118,7 +117,7 @@ fn body(agent: &crate::Agent, id: usize, settings: &TrialSettings) -> Result<Opt
         material_id: material.unwrap_or_else(|| settings.people.clone()),
         position: disk.centre,
     };
-    Ok(Some(Agent {
+    Ok(Agent {
         agent_type: Some("pedestrian".into()),
         kind: kind.map(|kind| kind.name.clone()),
         id: id.to_string(),
@@ -129,7 +128,7 @@ fn body(agent: &crate::Agent, id: usize, settings: &TrialSettings) -> Result<Opt
         floor_damping_across: kind.and_then(|kind| kind.floor_damping_across),
         angular_damping: FLOOR_DAMPING,
         shapes: disks.into_iter().map(shape).collect(),
-    }))
+    })
 }
 
 /// \[s\] Returns the longest mechanical step that divides a Trial's communication step and does not exceed
@@ -322,8 +321,7 @@ mod tests {
     fn a_wheelchair_is_of_metal_and_says_its_kind() {
         let mix = crate::Kinds::built_in().unwrap().mix(&[("wheelchair".to_owned(), 1.0)].into()).unwrap();
         let source = crate::Source::ansur().unwrap();
-        let population =
-            crate::Population::new(source, crate::Proportions::default(), crate::PAPER_BICYCLES).unwrap();
+        let population = crate::Population::new(source, 0.5).unwrap();
         let agents: Vec<crate::Agent> = population.mixed(mix).agents(1).take(2).collect();
         let member = agents[0].member().unwrap().clone();
         let pose = |x| Pose { position: vec2(x, 1.0), orientation: 0.0 };

@@ -5,12 +5,12 @@ use lemons_core::trial::{Geometry, Wall};
 use lemons_people::placing::{
     Ended, Method, Orientation, Packing, Progress, Region, Settings, Stage, TOLERANCE, dense, grid, paper,
 };
-use lemons_people::{Agent, Disk, PAPER_BICYCLES, PeopleError, Population, Proportions, Shape, Source};
+use lemons_people::{Agent, Disk, PeopleError, Population, Shape, Source};
 use std::ops::ControlFlow;
 
 /// Men and women.
 fn people(count: usize, seed: u64) -> Vec<Shape> {
-    let all = Population::new(Source::ansur().unwrap(), Proportions::default(), PAPER_BICYCLES).unwrap();
+    let all = Population::new(Source::ansur().unwrap(), 0.5).unwrap();
     let shape = |agent: Agent| agent.shape().unwrap();
     all.agents(seed).take(count).map(shape).collect()
 }

@@ -16,7 +16,6 @@
 //! Scenes are drawn in metres, the y axis upwards, under one transform: the numbers in the SVG are those of the Trial.
 
 mod animation;
-mod bicycle;
 mod body;
 mod chart;
 mod colour;
@@ -35,7 +34,6 @@ mod text;
 mod world;
 
 pub use animation::{Animation, AnimationFormat};
-pub use bicycle::Bicycle;
 pub use chart::{Chart, ChartPanel, ChartStyle, Line, chart_svg};
 pub use colour::{Colour, ColourMap, Theme};
 pub use density::{DENSITY_KERNEL, DensityMap};

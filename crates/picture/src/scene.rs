@@ -1,6 +1,5 @@
 //! Scenes: the content of a picture.
 
-use crate::bicycle::Bicycle;
 use crate::body::{Body, drawable, near};
 use crate::density::DensityMap;
 use lemons_core::plane::{Bounds, Pose, Vec2, vec2};
@@ -60,7 +59,7 @@ pub struct Scene<'a> {
     pub trial: &'a Trial,
     /// One pose for each agent, in their order. An agent without a finite pose is not drawn.
     pub poses: Vec<Pose>,
-    /// The visible part of the plane; `None`: all walls, bodies, bicycles and trails.
+    /// The visible part of the plane; `None`: all walls, bodies and trails.
     pub view: Option<Bounds>,
     /// Forces between bodies, drawn on top of them.
     pub forces: Vec<Force>,
@@ -71,8 +70,6 @@ pub struct Scene<'a> {
     pub trails: Vec<Trail>,
     /// People per area, drawn below everything else. Bodies are then outlines, and the colour bar shows the density.
     pub density: Option<DensityMap>,
-    /// Bicycles, which a Trial cannot contain.
-    pub bicycles: Vec<Bicycle>,
     /// Exits, and other places of a plan.
     pub marks: Vec<Mark>,
     pub(crate) bodies: Vec<Body>,
@@ -90,7 +87,6 @@ impl<'a> Scene<'a> {
             feet: Vec::new(),
             trails: Vec::new(),
             density: None,
-            bicycles: Vec::new(),
             marks: Vec::new(),
             bodies,
         }
@@ -103,7 +99,7 @@ impl<'a> Scene<'a> {
         Scene::new(trial, poses)
     }
 
-    /// Returns the smallest rectangle around all walls, marks, bodies, feet, bicycles and trails; a metre about the origin if
+    /// Returns the smallest rectangle around all walls, marks, bodies, feet and trails; a metre about the origin if
     /// there are none.
     pub fn extent(&self) -> Bounds {
         let corners = self.trial.geometry.walls.iter().flat_map(|wall| &wall.corners);
@@ -113,13 +109,7 @@ impl<'a> Scene<'a> {
         let lines = corners.chain(trails).chain(marks).copied().filter(|p| near(*p)).chain(feet);
         let disks = self.drawn().flat_map(|(_, pose, body)| body.disks_at(pose));
         let rims = disks.flat_map(|d| [-1.0, 1.0].map(|s| d.centre + vec2(d.radius, d.radius) * s));
-        let bicycles = self.drawn_bicycles().flat_map(Bicycle::corners);
-        Bounds::of(lines.chain(rims).chain(bicycles)).unwrap_or(Bounds::UNIT)
-    }
-
-    /// The bicycles that can be drawn.
-    pub(crate) fn drawn_bicycles(&self) -> impl Iterator<Item = &Bicycle> {
-        self.bicycles.iter().filter(|bicycle| bicycle.drawable())
+        Bounds::of(lines.chain(rims)).unwrap_or(Bounds::UNIT)
     }
 
     /// The feet that can be drawn, with the poses of their bodies.

@@ -1,6 +1,5 @@
 //! Draws scenes on a page: one, or several in rows and columns.
 
-use crate::bicycle::Bicycle;
 use crate::body::near;
 use crate::colour::{Colour, Palette};
 use crate::colouring::{Colouring, kinds};
@@ -28,14 +27,14 @@ const SMALLEST_VIEW: f64 = 0.01;
 const FORCE_STROKE: f64 = 6.0;
 /// Largest width of a line of force / square root of a body's area.
 const FORCE_PART: f64 = 0.2;
-/// \[px\] Width of the line of a bicycle in the legend.
-const BICYCLE_STROKE: f64 = 5.0;
+/// \[px\] Width of the line of a kind in the legend.
+const KIND_STROKE: f64 = 5.0;
 
 /// Returns the scene as SVG.
 ///
 /// Groups, from the lowest: `density`, `walls`, `marks` (paths of class `exit`, `distribution` and `way-point`, with their names
 /// as titles), `bodies` (one group for each agent, in their order, with the agent's Id
-/// as title), `bicycles`, `feet`, `leans`, `trails` (paths of class `simulated` and `measured`; below the bodies if none is measured),
+/// as title), `feet`, `leans`, `trails` (paths of class `simulated` and `measured`; below the bodies if none is measured),
 /// `forces`, `ids`. Outside the scene, in pixels: `time`, `legend`, `scale-bar`, `colour-bar`.
 pub fn svg(scene: &Scene, style: &Style) -> String {
     sheet(&[(scene, style)], 1)
@@ -163,20 +162,10 @@ fn forces_and_legend(scenes: &[&Scene], style: &Style, unit: f64, scale: f64) ->
         let without = if scenes.iter().any(simulated) { 0 } else { 1 };
         legend.extend(Entry::simulated_and_measured(&palette, TRAIL_STROKE * unit).into_iter().skip(without));
     }
-    if scenes.iter().any(|scene| scene.drawn_bicycles().next().is_some()) {
-        legend.push(Entry {
-            class: "bicycle",
-            label: "bicycle with rider".to_owned(),
-            colour: Bicycle::FILL,
-            width: BICYCLE_STROKE * unit,
-            halo: Some((palette.outline, FORCE_HALO * unit)),
-            dashed: false,
-        });
-    }
     if style.fill == Fill::Kind {
         let halo = Some((palette.outline, FORCE_HALO * unit));
         let entry = |(place, kind): (usize, &str)| {
-            let (label, colour, width) = (kind.to_owned(), palette.kind(place), BICYCLE_STROKE * unit);
+            let (label, colour, width) = (kind.to_owned(), palette.kind(place), KIND_STROKE * unit);
             Entry { class: "kind", label, colour, width, halo, dashed: false }
         };
         legend.extend(kinds(scenes.iter().copied()).into_iter().enumerate().map(entry));

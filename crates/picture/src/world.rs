@@ -1,6 +1,5 @@
 //! Draws everything that is to scale, in metres.
 
-use crate::bicycle::Bicycle;
 use crate::body::{Body, begin_at, near, point, polyline};
 use crate::colour::{Colour, Palette};
 use crate::colouring::Colouring;
@@ -71,12 +70,11 @@ impl MarkKind {
 /// Returns whether the view cuts anything. Clipping makes rasterizing slow.
 pub(crate) fn is_cut(scene: &Scene, frame: &Frame) -> bool {
     let bodies = scene.drawn().map(|(_, pose, body)| (pose.position, body.reach));
-    let bicycles = scene.drawn_bicycles().map(|bicycle| (bicycle.pose.position, bicycle.reach()));
     let walls = scene.trial.geometry.walls.iter().flat_map(|wall| &wall.corners);
     let lines = walls.chain(scene.trails.iter().flat_map(|trail| &trail.points)).copied();
     let lines = lines.chain(scene.drawn_feet().map(|(_, feet)| feet));
     let points = lines.chain(drawable_forces(scene).flat_map(|f| [f.from, f.to])).filter(|p| near(*p));
-    let seen = bodies.chain(bicycles).filter(|(p, reach)| frame.shows(*p, *reach));
+    let seen = bodies.filter(|(p, reach)| frame.shows(*p, *reach));
     seen.chain(points.map(|p| (p, 0.0))).any(|(p, reach)| frame.cuts(p, reach))
 }
 
@@ -121,7 +119,6 @@ pub(crate) fn world(
         world.aging_trails();
     }
     world.bodies();
-    world.bicycles();
     world.feet();
     if compared {
         world.compared_trails();
@@ -249,19 +246,6 @@ impl<'a> World<'a> {
                 *world.out += "</g>\n";
             }
         });
-    }
-
-    fn bicycles(&mut self) {
-        let shown = self.scene.drawn_bicycles().filter(|b| self.frame.shows(b.pose.position, b.reach()));
-        let shown: Vec<&Bicycle> = shown.collect();
-        if shown.is_empty() {
-            return;
-        }
-        let stroke = self.outline(shown.iter().map(|bicycle| bicycle.rider.0 * bicycle.rider.1));
-        let (fill, outline) = (Bicycle::FILL, self.palette.outline);
-        let look =
-            format!("class=\"bicycles\" fill=\"{fill}\" stroke=\"{outline}\" stroke-width=\"{stroke}\"");
-        self.group(&look, |World { out, palette, .. }| shown.iter().for_each(|b| b.draw(out, palette)));
     }
 
     /// Draws feet, as if they were seen through the bodies, and lines from there to the centres of mass.

@@ -83,7 +83,7 @@ pub struct Scenario {
     pub people: People,
     /// Probability that a pedestrian is a man; if it is not said, 0.5, or what the statistics say.
     pub men: Option<f64>,
-    /// Probability that somebody is a pedestrian; the others ride bicycles.
+    /// Probability that somebody is a pedestrian; the others are of the kind "bicycle".
     pub pedestrians: Option<f64>,
     /// Shares of kinds of people; empty: those of the statistics, else adults with nothing.
     #[cfg_attr(feature = "typescript", ts(type = "Record<string, number | \"rest\">"))]
@@ -256,7 +256,6 @@ impl Scenario {
     pub fn documents(&self, name: &str, most: u32, files: &dyn Source, watch: &mut Watch) -> Result<Made> {
         self.check()?;
         let population = self.population(files)?;
-        require(!population.has_bicycles(), || "`pedestrians`: no Trial holds bicycles".to_owned())?;
         let place = self.place(files, self.drawn(files)?)?;
         let ready = self.ready(&population, place, most)?;
         let crowd = ready.crowd(watch)?;

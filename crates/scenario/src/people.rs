@@ -7,12 +7,11 @@ use crate::{MOST_PEOPLE, Made, ROUND, Scenario, drive};
 use lemons_core::files::input;
 use lemons_core::files::source::Source as Files;
 use lemons_core::plane::{Pose, Vec2};
-use lemons_core::trial::DriveTable;
 use lemons_decision::Plan;
 use lemons_people::placing::{Ended, FreeSpace, Method, Orientation, Packing, Settings, Watch, within_area};
 use lemons_people::{
-    Agent, Custom, CustomMeasures, Disk, Kinds, PAPER_BICYCLES, PeopleError, Person, Population, Proportions,
-    Sex, Shape, Source, Survey, TrialSettings, TruncatedNormal, choose_mechanical_step, crowd_trial, heading,
+    Agent, Custom, CustomMeasures, Disk, Kinds, PeopleError, Person, Population, Sex, Shape, Source, Survey,
+    TrialSettings, TruncatedNormal, choose_mechanical_step, crowd_trial, heading,
 };
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -117,7 +116,7 @@ impl Scenario {
     /// # Errors
     /// A file cannot be read or has errors, or there is no such kind.
     pub fn population(&self, files: &dyn Files) -> Result<Population> {
-        let (mut proportions, mut bicycles) = (Proportions::default(), PAPER_BICYCLES);
+        let (mut men, mut pedestrians, mut bicycles) = (0.5, 1.0, None);
         let (mut mix, mut kinds, mut from) =
             (forms::shares(&self.mix)?, Kinds::built_in()?, "`mix`".to_owned());
         let mut custom = None;
@@ -131,9 +130,9 @@ impl Scenario {
                 let text = files.read_text(file, input::LARGEST_SETTINGS);
                 let text = text.map_err(|error| impossible(format!("{named}: {error}")))?;
                 let own = Custom::from_toml(&text).of(named)?;
-                proportions.men = own.men.unwrap_or(proportions.men);
-                proportions.pedestrians = own.pedestrians.unwrap_or(proportions.pedestrians);
-                bicycles = own.bicycles;
+                men = own.men.unwrap_or(men);
+                pedestrians = own.pedestrians.unwrap_or(pedestrians);
+                bicycles = Some(own.bicycles);
                 kinds = kinds.with(own.kinds).of(named)?;
                 if mix.is_empty() {
                     (mix, from) = (own.mix, format!("{named}, [mix]"));
@@ -141,10 +140,10 @@ impl Scenario {
                 Source::custom(&own.people).of(named)?
             }
             People::Tables { male, female } => {
-                proportions.men = match (male, female) {
+                men = match (male, female) {
                     (Some(_), None) => 1.0,
                     (None, Some(_)) => 0.0,
-                    _ => proportions.men,
+                    _ => men,
                 };
                 let mut survey = Survey::default();
                 for (sex, path) in [(Sex::Male, male), (Sex::Female, female)] {
@@ -158,14 +157,20 @@ impl Scenario {
             }
             People::Fixed { sex, measures } => Source::Fixed(Person::from_measures(*sex, *measures)),
         };
-        proportions.men = self.men.unwrap_or(proportions.men);
-        proportions.pedestrians = self.pedestrians.unwrap_or(proportions.pedestrians);
-        let population = Population::new(source, proportions, bicycles);
+        let pedestrians = self.pedestrians.unwrap_or(pedestrians);
+        let mut population = Population::new(source, self.men.unwrap_or(men));
+        if let Some(bicycles) = bicycles {
+            population = population.and_then(|population| population.with_bicycles(bicycles));
+        }
         let population = match custom {
             Some(named) => population.of(named)?,
             None => population?,
         };
-        require(!self.round || mix.is_empty(), || ROUND.to_owned())?;
+        require(!self.round || mix.is_empty() && pedestrians == 1.0, || ROUND.to_owned())?;
+        let population = match kinds.get("bicycle") {
+            Some(bicycle) => population.with_riders(pedestrians, bicycle.clone()).of("`pedestrians`")?,
+            None => population,
+        };
         if mix.is_empty() {
             return Ok(population);
         }
@@ -341,7 +346,7 @@ impl Ready<'_> {
         Ok(Crowd { packing, densities, shapes })
     }
 
-    /// Makes the documents of the Trial. Bicycles are not in it; with them, there is no decision and no drive.
+    /// Makes the documents of the Trial.
     ///
     /// # Errors
     /// People cannot leave, a push reaches nobody, or the mechanical step would be too short.
@@ -363,11 +368,9 @@ impl Ready<'_> {
             let contacts = trial.materials.binary.iter_mut().filter(|of| of.id1 == own || of.id2 == own);
             contacts.for_each(|contact| contact.kinetic_friction = friction);
         }
-        let (mut notes, mut decision, mut pushed) = (place.notes.clone(), None, DriveTable::default());
-        if !agents.iter().any(|agent| matches!(agent, Agent::Bicycle(_))) {
-            decision = scenario.decision(&agents, &trial, &place, &mut notes);
-            pushed = drive(&trial, &scenario.pushes)?;
-        }
+        let mut notes = place.notes.clone();
+        let decision = scenario.decision(&agents, &trial, &place, &mut notes);
+        let pushed = drive(&trial, &scenario.pushes)?;
         let leave = if scenario.leave { "`leave`: people cannot leave: " } else { "" };
         let plan =
             |config: &_| Plan::of(&trial, config).map_err(|error| impossible(format!("{leave}{error}")));

@@ -32,7 +32,7 @@ pub fn write(
         })
     };
     if let Some(altitudes) = altitudes {
-        // Bicycles and people who sit have no outlines.
+        // People who sit have no outlines.
         let empty = |&altitude: &f64| CrowdSection { altitude, bodies: vec![Vec::new(); crowd.len()] };
         let mut sections: Vec<CrowdSection> = altitudes.iter().map(empty).collect();
         for (place, body, pose) in bodies() {
@@ -56,7 +56,7 @@ pub fn write(
         if people < all {
             writeln!(
                 out,
-                "(the {} bicycles and people in wheelchairs have no sections, and things have none)",
+                "(the {} people on bicycles and in wheelchairs have no sections, and things have none)",
                 all - people
             )?;
         }

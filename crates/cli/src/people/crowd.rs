@@ -26,8 +26,8 @@ use lemons_core::trial::{DRIVE_FILE, FileNames, Parameters, Trial};
 use lemons_decision::{DECISION_FILE, DecisionConfig};
 use lemons_master::TrialInput;
 use lemons_people::{
-    Agent, Body3d, CrowdStatistics, SKINS, Shape, TORSO_ALTITUDE, TRIAL_FILES, crowd_csv, light_xml,
-    may_write, write_trial, write_trial_zip,
+    Agent, Body3d, CrowdStatistics, SKINS, TORSO_ALTITUDE, TRIAL_FILES, crowd_csv, light_xml, may_write,
+    write_trial, write_trial_zip,
 };
 use lemons_scenario::{Crowd, MOST_PEOPLE, OrientationName, Ready, Scenario, ScenarioError, named};
 use lemons_sim::lint::of_plan;
@@ -73,7 +73,7 @@ struct ScenarioArguments {
 }
 
 #[derive(clap::Args)]
-#[command(next_help_heading = "Trial and FMU (pedestrians only)")]
+#[command(next_help_heading = "Trial and FMU")]
 struct TrialArguments {
     /// Write the crowd as a Trial directory. The files of a Trial that is there are replaced with --force
     /// only; results made from it no longer fit then
@@ -113,7 +113,7 @@ struct OtherArguments {
     /// Write a table of everybody's measures, in m and kg
     #[arg(long, value_name = "FILE.csv")]
     population: Option<PathBuf>,
-    /// Write the paper's light XML format, in absolute coordinates; it can hold bicycles
+    /// Write the paper's light XML format, in absolute coordinates; bicycles are rectangles in it
     #[arg(long, value_name = "FILE.xml")]
     light_xml: Option<PathBuf>,
     /// Compute sections of everybody's three-dimensional body at these altitudes, in m, for example
@@ -255,13 +255,12 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
     let told = |error| words.error(error);
     scenario.check().map_err(told)?;
     let population = scenario.population(&Disk).map_err(told)?;
-    if population.has_bicycles() {
-        arguments.refuse_bicycles()?;
+    if arguments.others.light_xml.is_some() && population.has_bicycles() {
         let orientation = *scenario.orientation.get_or_insert(OrientationName::Fixed);
         if orientation != OrientationName::Fixed || scenario.direction.unwrap_or(0.0) % 90.0 != 0.0 {
             bail!(Misused(
-                "--pedestrians below 1: bicycles stand along the axes in the light XML: --orientation fixed with \
-                 --direction 0, 90, 180 or 270"
+                "--light-xml: bicycles stand along the axes in this file: --orientation fixed with --direction 0, 90, \
+                 180 or 270"
                     .into()
             ));
         }
@@ -309,12 +308,7 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
     let seconds = started.elapsed().as_secs_f64();
     let Crowd { packing, densities, shapes } = &placed;
     let ground = place.area_of(packing);
-    // Of a bicycle the two rectangles, not the disks that keep others off them.
-    let area = |(agent, shape): (&Agent, &Shape)| match agent {
-        Agent::Pedestrian(_) | Agent::Member(_) => shape.moments().area,
-        Agent::Bicycle(bicycle) => bicycle.area(),
-    };
-    let covered: f64 = agents.iter().zip(shapes).map(area).sum();
+    let covered: f64 = shapes.iter().map(|shape| shape.moments().area).sum();
 
     // Printed when all is written: who closes the pipe early has the files nevertheless.
     let mut out = Vec::new();
@@ -350,23 +344,21 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
     let mut done = Ok(());
     if makeable.is_ok() {
         let made = ready.made(&arguments.name(), placed).map_err(told)?;
-        let (mut scene, style) = of_crowd(&made.trial, &crowd);
+        let (mut scene, style) = of_crowd(&made.trial);
         scene.marks = made.place.drawn.as_ref().map_or(Vec::new(), |drawn| marks(&drawn.plan));
         outputs.draw(&scene, &style)?;
-        if !population.has_bicycles() {
-            let Parameters { time_step, time_step_mechanical: step, .. } = &made.trial.parameters;
-            writeln!(out, "mechanical step    {step:>10} s   (of a TimeStep of {time_step} s)")?;
-            // Those of the place were told.
-            let notes = made.notes.iter().skip(made.place.notes.len());
-            notes.for_each(|said| note!("{}", words.note(said)));
-            if let Some((_, plan)) = &made.decision {
-                let found = of_plan(plan, &made.trial, Path::new(""));
-                found.iter().for_each(|found| note!("{found}"));
-            }
-            let beside = made.beside().map_err(told)?;
-            let beside: Vec<(&str, &str)> = beside.iter().map(|(name, text)| (*name, &**text)).collect();
-            done = trial.write(&made.trial, &beside, binaries, &interrupt, &mut out)?;
+        let Parameters { time_step, time_step_mechanical: step, .. } = &made.trial.parameters;
+        writeln!(out, "mechanical step    {step:>10} s   (of a TimeStep of {time_step} s)")?;
+        // Those of the place were told.
+        let notes = made.notes.iter().skip(made.place.notes.len());
+        notes.for_each(|said| note!("{}", words.note(said)));
+        if let Some((_, plan)) = &made.decision {
+            let found = of_plan(plan, &made.trial, Path::new(""));
+            found.iter().for_each(|found| note!("{found}"));
         }
+        let beside = made.beside().map_err(told)?;
+        let beside: Vec<(&str, &str)> = beside.iter().map(|(name, text)| (*name, &**text)).collect();
+        done = trial.write(&made.trial, &beside, binaries, &interrupt, &mut out)?;
     }
     if !trial.wanted() && outputs.is_empty() {
         writeln!(
@@ -478,18 +470,6 @@ impl Arguments {
         scenario.speed = speed.or(scenario.speed);
         scenario.time_step = time_step.or(scenario.time_step);
         Ok((file, scenario))
-    }
-
-    fn refuse_bicycles(&self) -> Result<()> {
-        let TrialArguments { output, zip, fmu, .. } = &self.trial;
-        let asked = [("-o", output), ("--zip", zip), ("--fmu", fmu)];
-        if let Some((option, _)) = asked.iter().find(|(_, path)| path.is_some()) {
-            bail!(Misused(format!(
-                "{option}: the mechanics takes pedestrians only, and a part of this crowd rides bicycles \
-                 (pedestrians below 1): --light-xml FILE.xml writes a mixed crowd"
-            )));
-        }
-        Ok(())
     }
 
     /// The name of the Trial.

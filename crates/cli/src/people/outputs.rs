@@ -5,10 +5,8 @@ use crate::output::Output;
 use crate::pictures::plot::Format;
 use anyhow::Result;
 use lemons_core::files::Staged;
-use lemons_core::plane::Pose;
 use lemons_core::trial::Trial;
-use lemons_people::Agent;
-use lemons_picture::{Bicycle as Drawn, Colour, Fill, Scene, Style, svg};
+use lemons_picture::{Fill, Scene, Style, svg};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -78,21 +76,11 @@ impl Outputs {
     }
 }
 
-/// Returns the picture of a crowd: pedestrians as its Trial has them, and bicycles.
-pub fn of_crowd<'a>(trial: &'a Trial, crowd: &[(Agent, Pose)]) -> (Scene<'a>, Style) {
-    let mut scene = Scene::at_start(trial);
-    for (place, (agent, pose)) in crowd.iter().enumerate() {
-        if let Agent::Bicycle(bicycle) = agent {
-            let [wheels, rider] = bicycle.rectangles();
-            scene.bicycles.push(Drawn { id: place.to_string(), pose: *pose, wheels, rider });
-        }
-    }
-    let fill = match trial.agents.iter().any(|agent| agent.kind.is_some()) {
-        true => Fill::Kind,
-        false if trial.agents.is_empty() => Fill::Single(Colour::BODY),
-        false => Fill::BodyArea,
-    };
-    (scene, Style { width: PICTURE_WIDTH.into(), fill, ..Style::default() })
+/// Returns the picture of a crowd as its Trial has it.
+pub fn of_crowd(trial: &Trial) -> (Scene<'_>, Style) {
+    let kinds = trial.agents.iter().any(|agent| agent.kind.is_some());
+    let fill = if kinds { Fill::Kind } else { Fill::BodyArea };
+    (Scene::at_start(trial), Style { width: PICTURE_WIDTH.into(), fill, ..Style::default() })
 }
 
 /// Says what was written where.

@@ -48,8 +48,8 @@ pub struct PlacingArguments {
     #[arg(long, value_parser = named(&Method::ALL, Method::name))]
     packing: Option<Method>,
     /// Which way people face. free: any way; fixed: exactly along --direction; towards: first along
-    /// --direction, then turned by their neighbours. Default: fixed in a crowd with bicycles; else
-    /// towards if --direction is given, and free if not
+    /// --direction, then turned by their neighbours. Default: towards if --direction is given, free if not;
+    /// fixed where --light-xml has bicycles
     #[arg(long, value_parser = named(&OrientationName::ALL, OrientationName::name))]
     orientation: Option<OrientationName>,
     /// Direction people face, in degrees counter-clockwise from the x axis. Default: 0

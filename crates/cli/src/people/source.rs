@@ -14,14 +14,14 @@ pub struct SourceArguments {
     /// Probability that a pedestrian is a man, 0 to 1. Default: 0.5
     #[arg(long, value_name = "PART", value_parser = ranged("men", ""), conflicts_with = "fixed")]
     men: Option<f64>,
-    /// Probability that a member of the crowd is a pedestrian, 0 to 1; the others ride bicycles.
-    /// Default: 1
+    /// Probability that a member of the crowd is a pedestrian, 0 to 1; the others ride bicycles, as with
+    /// the kind bicycle in --mix. Default: 1
     #[arg(long, value_name = "PART", value_parser = ranged("pedestrians", ""))]
     pedestrians: Option<f64>,
     /// Shares of kinds of people, as in adult=70,child=15,elderly=10,wheelchair=5; they need not sum up to
-    /// 100. Kinds: adult, backpack, child, elderly, powered-wheelchair, stroller, suitcase, walker,
-    /// wheelchair, with-child, and those of --custom (docs/people.md). With --leave, each has the desired
-    /// speed of its kind
+    /// 100. Kinds: adult, backpack, bicycle, child, elderly, powered-wheelchair, stroller, suitcase,
+    /// walker, wheelchair, with-child, and those of --custom (docs/people.md). With --leave, each has the
+    /// desired speed of its kind
     #[arg(long, value_name = "KIND=SHARE", value_delimiter = ',', value_parser = share)]
     mix: Vec<(String, Share)>,
     /// Your own statistics, see below

@@ -261,7 +261,7 @@ fn a_mix_of_kinds_is_drawn_shown_kept_and_walks_at_its_own_speeds() {
     // All kinds, with a picture of each.
     let (kinds, _) = ok(&mut lab, json!({"ask": "kinds"}));
     let kinds = kinds.as_array().unwrap();
-    assert_eq!(kinds.len(), 10);
+    assert_eq!(kinds.len(), 11);
     assert!(kinds.iter().all(|kind| kind["disks"].as_array().unwrap().len() >= 5));
-    assert_eq!(kinds.iter().filter(|kind| !kind["seated"].is_null()).count(), 2);
+    assert_eq!(kinds.iter().filter(|kind| !kind["seated"].is_null()).count(), 3);
 }

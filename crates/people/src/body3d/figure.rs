@@ -5,6 +5,7 @@
 
 use super::{Body3d, MeshPart, Polygon};
 use crate::anthropometry::ansur;
+use crate::bicycle::PAPER_BICYCLES;
 use crate::error::Result;
 use crate::growth::child;
 use crate::kinds::{Kind, Kinds, Origin, Part, Solid};
@@ -37,7 +38,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Makes the figure of an agent; that of a bicycle is empty.
+    /// Makes the figure of an agent.
     ///
     /// # Errors
     /// As those of [`Body3d::similar`].
@@ -45,7 +46,6 @@ impl Figure {
         match agent {
             Agent::Pedestrian(person) => Figure::new(None, &[(*person, Vec2::zeros())]),
             Agent::Member(member) => Figure::new(Some(member.kind.clone()), &member.people),
-            Agent::Bicycle(_) => Ok(Figure::default()),
         }
     }
 
@@ -107,7 +107,8 @@ impl Figure {
             solids.iter_mut().for_each(|solid| shift(solid, *origin));
             solids
         };
-        parts.flat_map(moved).collect()
+        let bicycle = self.kind.iter().flat_map(|kind| named("bicycle", kind.solids.iter().map(solid)));
+        bicycle.chain(parts.flat_map(moved)).collect()
     }
 
     /// Returns the outlines of the people who stand, at an altitude \[m\]; of who sits and of things there are none.
@@ -177,6 +178,12 @@ fn people_of(kind: &Kind, agent: &lemons_core::trial::Agent) -> Option<Placed> {
     let carried: f64 = kind.parts.iter().map(|part| part.mass.quantile(0.5)).sum();
     let fitting = person_fitting(agent);
     let mass = (agent.mass - carried).max(0.5 * agent.mass);
+    if kind.bicycle {
+        // The rider's own measures are not in the disks.
+        let [breadth, depth, ..] = ansur(Sex::Male).measures.each_ref().map(|measure| measure.mean);
+        let mass = (agent.mass - PAPER_BICYCLES[4].mean).max(0.5 * agent.mass);
+        return Some(vec![(Person { breadth, depth, mass, ..fitting }, Vec2::zeros())]);
+    }
     if kind.seated {
         let first = kind.parts.first()?.disks.first()?;
         let at = things.first()?.centre - vec2(first[0], first[1]);
@@ -298,18 +305,20 @@ impl Bend {
 
 /// The solids of a thing, from its origin.
 fn solids(part: &Part) -> Vec<MeshPart> {
-    let name = plain(&part.name);
     let [low, high] = part.height;
     let cylinder = |&[x, y, radius]: &[f64; 3]| {
         let size = Vector3::new(radius, radius, 0.5 * (high - low));
         prism(Vector3::new(x, y, 0.5 * (low + high)), Matrix3::from_diagonal(&size), SIDES)
     };
-    let made: Vec<MeshPart> = match &part.solids[..] {
-        [] => part.disks.iter().map(cylinder).collect(),
-        solids => solids.iter().map(solid).collect(),
-    };
-    let named = |(k, one): (usize, MeshPart)| MeshPart { name: format!("{name}_{k}"), ..one };
-    made.into_iter().enumerate().map(named).collect()
+    match &part.solids[..] {
+        [] => named(&part.name, part.disks.iter().map(cylinder)),
+        solids => named(&part.name, solids.iter().map(solid)),
+    }
+}
+
+fn named(name: &str, parts: impl Iterator<Item = MeshPart>) -> Vec<MeshPart> {
+    let name = plain(name);
+    parts.enumerate().map(|(k, part)| MeshPart { name: format!("{name}_{k}"), ..part }).collect()
 }
 
 fn solid(solid: &Solid) -> MeshPart {

@@ -1,10 +1,9 @@
 use super::*;
-use crate::bicycle::PAPER_BICYCLES;
 use crate::kinds::Kinds;
 use std::path::Path;
 
 fn of(source: Source, men: f64, seed: u64, count: usize) -> Vec<Person> {
-    let population = Population::new(source, Proportions { men, pedestrians: 1.0 }, PAPER_BICYCLES);
+    let population = Population::new(source, men);
     population.unwrap().agents(seed).take(count).map(|agent| agent.people()[0].0).collect()
 }
 
@@ -104,21 +103,19 @@ fn depth_never_exceeds_breadth() {
 
 #[test]
 fn proportions_are_met() {
-    let proportions = Proportions { men: 0.3, pedestrians: 0.8 };
-    let population = Population::new(ansur_source(), proportions, PAPER_BICYCLES).unwrap();
+    let bicycle = Kinds::built_in().unwrap().get("bicycle").unwrap().clone();
+    let population = Population::new(ansur_source(), 0.3).unwrap();
+    let refused = population.clone().with_riders(f64::NAN, bicycle.clone()).unwrap_err().to_string();
+    assert_eq!(refused, "proportion of pedestrians = NaN: must be within 0…1");
+    let population = population.with_riders(0.8, bicycle).unwrap();
     let agents: Vec<Agent> = population.agents(5).take(50_000).collect();
-    let (mut people, mut bicycles) = (Vec::new(), Vec::new());
-    for agent in &agents {
-        match agent {
-            Agent::Pedestrian(person) => people.push(*person),
-            Agent::Bicycle(bicycle) => bicycles.push(bicycle.measures()),
-            Agent::Member(_) => panic!("nobody is of a kind"),
-        }
-    }
+    let people: Vec<Person> = agents.iter().flat_map(Agent::everybody).collect();
+    let bicycles = agents.iter().filter_map(|agent| agent.member()?.bicycle);
+    let bicycles: Vec<[f64; 5]> = bicycles.map(|bicycle| bicycle.measures()).collect();
     for (place, normal) in PAPER_BICYCLES.iter().enumerate() {
         follows(&bicycles.iter().map(|measures| measures[place]).collect::<Vec<f64>>(), normal);
     }
-    let pedestrians = people.len() as f64 / agents.len() as f64;
+    let pedestrians = 1.0 - bicycles.len() as f64 / agents.len() as f64;
     let men = people.iter().filter(|person| person.sex == Sex::Male).count() as f64 / people.len() as f64;
     // Three standard deviations of the counts.
     assert!((pedestrians - 0.8).abs() < 0.0054 && (men - 0.3).abs() < 0.0069, "{pedestrians} {men}");
@@ -150,23 +147,20 @@ fn a_survey_gives_its_own_people() {
     assert!((420..580).contains(&first), "{first}");
     let person = Person { sex: Sex::Female, breadth: 0.4, depth: 0.2, stature: 1.6, mass: 55.0 };
     assert!(of(Source::Fixed(person), 1.0, 7, 10).into_iter().all(|drawn| drawn == person));
-    let message = |source, men, pedestrians, bicycles| {
-        Population::new(source, Proportions { men, pedestrians }, bicycles).unwrap_err().to_string()
-    };
+    let message = |source, men| Population::new(source, men).unwrap_err().to_string();
     assert_eq!(
-        message(Source::Survey(survey), 0.5, 1.0, PAPER_BICYCLES),
+        message(Source::Survey(survey), 0.5),
         "the survey has no female people, but their proportion is not 0"
     );
-    let said = message(ansur_source(), 1.5, 1.0, PAPER_BICYCLES);
-    assert_eq!(said, "proportion of men = 1.5: must be within 0…1");
-    let said = message(ansur_source(), 0.5, f64::NAN, PAPER_BICYCLES);
-    assert_eq!(said, "proportion of pedestrians = NaN: must be within 0…1");
+    assert_eq!(message(ansur_source(), 1.5), "proportion of men = 1.5: must be within 0…1");
+    assert_eq!(message(ansur_source(), f64::NAN), "proportion of men = NaN: must be within 0…1");
     let wrong = Source::Fixed(Person { mass: -55.0, ..person });
-    let said = message(wrong, 0.5, 1.0, PAPER_BICYCLES);
+    let said = message(wrong, 0.5);
     assert_eq!(said, "the fixed person: mass = -55 kg: must be positive and finite");
     let mut bicycles = PAPER_BICYCLES;
     bicycles[4].mean = 1e6;
-    let said = message(ansur_source(), 0.5, 1.0, bicycles);
+    let said = Population::new(ansur_source(), 0.5).unwrap().with_bicycles(bicycles);
+    let said = said.unwrap_err().to_string();
     assert!(said.starts_with("bicycle's mass: min = 10, max = 100: more than 6"), "{said}");
 }
 
@@ -175,8 +169,7 @@ fn a_mix_has_its_shares_ages_and_speeds() {
     let shares = [("adult", 60.0), ("child", 25.0), ("elderly", 15.0)];
     let shares = shares.map(|(name, share)| (name.to_owned(), share)).into();
     let mix = Kinds::built_in().unwrap().mix(&shares).unwrap();
-    let population = Population::new(ansur_source(), Proportions::default(), PAPER_BICYCLES).unwrap();
-    let population = population.mixed(mix);
+    let population = Population::new(ansur_source(), 0.5).unwrap().mixed(mix);
     let drawn: Vec<Agent> = population.agents(9).take(20_000).collect();
     assert_eq!(drawn, population.agents(9).take(20_000).collect::<Vec<Agent>>());
     let of = |name: &str| -> Vec<&Member> {

@@ -24,8 +24,6 @@ fn full(trial: &Trial) -> String {
         points: vec![vec2(0.0, y), vec2(0.6, y + 0.2), vec2(3.5, y)],
     };
     scene.trails = vec![trail(false, 0.4), trail(true, 0.5)];
-    let pose = Pose { position: vec2(1.2, -0.6), orientation: 0.3 };
-    scene.bicycles = vec![Bicycle { id: "b".into(), pose, wheels: (1.42, 0.06), rider: (0.61, 0.45) }];
     svg(&scene, &Style { fill: Fill::BodyArea, ids: true, time: Some(1.5), ..Style::default() })
 }
 
