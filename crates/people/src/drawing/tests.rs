@@ -11,6 +11,7 @@ mod dxf;
 mod examples;
 mod hostile;
 mod layers;
+mod made;
 mod places;
 mod plans;
 mod svg;
