@@ -9,7 +9,7 @@
 
 use crate::model::output;
 use crate::setup::{self, Setup, WorldError};
-use lemons_core::files::source::Disk;
+use lemons_core::files::source::LocalFiles;
 use lemons_core::files::{WriteError, change_all};
 use lemons_core::trial::{FileNames, Problems};
 use std::ffi::{CStr, OsString, c_char, c_int};
@@ -42,7 +42,7 @@ pub enum CallError {
 /// Something cannot be read, computed or written. Then no file has changed.
 pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallError> {
     let directory = parameters.parent().unwrap_or(Path::new(""));
-    let (trial, _) = setup::read_from(&Disk, directory, names).map_err(CallError::Trial)?;
+    let (trial, _) = setup::read_from(&LocalFiles, directory, names).map_err(CallError::Trial)?;
     let mut world = Setup::of(&trial).world()?;
     world
         .advance(trial.parameters.time_step)

@@ -86,7 +86,7 @@ pub use lemons_core::plane::{InPlane, Pose, Rotation, Twist, Vec2, rotation, vec
 pub use overlap::{Overlap, Proximity};
 pub use pair_forces::PairForce;
 pub use report::{BodyContacts, Contact, ContactReport, Pair};
-pub use scene::{Body, BodySpec, Corner, Disk, DiskSpec, LawTable, PairLaw, Scene, WallSpec};
+pub use scene::{Body, BodySpec, ContactDisk, Corner, DiskSpec, LawTable, PairLaw, Scene, WallSpec};
 pub use shortlist::Shortlisting;
 pub use springs::elongation_vector;
 pub use state::{DiskSpring, FacePart, FaceSpring, State, Wrench};

@@ -10,10 +10,10 @@ mod saved;
 mod settings;
 
 pub(crate) use output::output;
-pub use saved::Saved;
+pub use saved::SavedCrowd;
 
 use crate::engine::{AdvanceError, BodyId, Pair, World, Wrench, step_count, vec2};
-use crate::quantities::{self, Quantity, field};
+use crate::quantities::{self, CrowdQuantity, field};
 use crate::resources::Resources;
 use crate::setup::Setup;
 use lemons_core::trial::{DriveTable, Trial};
@@ -125,8 +125,8 @@ impl CrowdModel {
 
     /// Before an input of an agent is set: the packed drive no longer drives it, as if it had none.
     #[inline]
-    fn take_over(&mut self, quantity: Quantity, element: usize) {
-        if self.played.is_empty() || !matches!(quantity, Quantity::Fp | Quantity::Mp) {
+    fn take_over(&mut self, quantity: CrowdQuantity, element: usize) {
+        if self.played.is_empty() || !matches!(quantity, CrowdQuantity::Fp | CrowdQuantity::Mp) {
             return;
         }
         let i = agent_of_drive(quantity, element);
@@ -142,7 +142,7 @@ impl CrowdModel {
     fn set_present(&mut self, agent: usize, value: f64, phase: Phase) {
         let Some(world) = self.world.as_mut().filter(|_| phase == Phase::StepComplete) else {
             self.world = None;
-            self.settings.elements.insert((Quantity::Active, agent), value);
+            self.settings.elements.insert((CrowdQuantity::Active, agent), value);
             return;
         };
         let body = BodyId::from(agent);
@@ -174,7 +174,7 @@ impl CrowdModel {
             .settings
             .elements
             .iter()
-            .filter(|((quantity, _), value)| *quantity == Quantity::Active && **value == 0.0);
+            .filter(|((quantity, _), value)| *quantity == CrowdQuantity::Active && **value == 0.0);
         let absent: Vec<BodyId> = absent.map(|((_, agent), _)| BodyId::from(*agent)).collect();
         if absent.is_empty() {
             return Ok(());
@@ -242,7 +242,7 @@ impl CrowdModel {
 
     /// Applies a setting of this instance to the documents. A pair of materials that never touches has no law.
     #[cold]
-    fn edit(&mut self, quantity: Quantity, element: usize, value: f64) {
+    fn edit(&mut self, quantity: CrowdQuantity, element: usize, value: f64) {
         if let Some(field) = field(&mut self.trial, quantity, element) {
             *field = value;
             self.settings.elements.insert((quantity, element), value);
@@ -251,19 +251,19 @@ impl CrowdModel {
 
     /// Returns a number of this instance or of the documents, or one for which a world must be made first.
     #[cold]
-    fn without_world(&mut self, quantity: Quantity, element: usize) -> Answer<f64> {
-        if quantity == Quantity::TimeStepMechanical && self.world.is_none() {
+    fn without_world(&mut self, quantity: CrowdQuantity, element: usize) -> Answer<f64> {
+        if quantity == CrowdQuantity::TimeStepMechanical && self.world.is_none() {
             self.settings.choose_step(&mut self.trial, &self.packed.trial);
         }
         if let Some(field) = field(&mut self.trial, quantity, element) {
             return Ok(*field);
         }
         Ok(match quantity {
-            Quantity::Threads => self.settings.threads.into(),
-            Quantity::IntermediateSteps => self.settings.intermediate_steps.into(),
-            Quantity::PlayDrive => self.settings.play_drive.into(),
-            Quantity::MostMechanicalSteps => self.settings.most_steps,
-            Quantity::Active => self.settings.elements.get(&(quantity, element)).copied().unwrap_or(1.0),
+            CrowdQuantity::Threads => self.settings.threads.into(),
+            CrowdQuantity::IntermediateSteps => self.settings.intermediate_steps.into(),
+            CrowdQuantity::PlayDrive => self.settings.play_drive.into(),
+            CrowdQuantity::MostMechanicalSteps => self.settings.most_steps,
+            CrowdQuantity::Active => self.settings.elements.get(&(quantity, element)).copied().unwrap_or(1.0),
             _ if quantity.row().role == Role::Calculated => {
                 let mut value = [0.0];
                 read(self.make_world()?, quantity, element, &mut value);

@@ -3,7 +3,7 @@
 use crate::model::CrowdModel;
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_fmi::description::{Packed, terminals_xml};
-use lemons_fmi::{Format, Model, Version, description};
+use lemons_fmi::{FmuFormat, Model, Version, description};
 
 /// `modelName`
 pub const MODEL_NAME: &str = CrowdModel::NAME;
@@ -17,12 +17,12 @@ pub const DEFAULT_STOP_TIME: f64 = CrowdModel::STOP_TIME;
 pub const LARGEST_DESCRIPTION: u64 = 256_000_000;
 
 /// Returns the model description of a Trial's FMU.
-pub fn model_description(trial: &Trial, format: Format) -> String {
+pub fn model_description(trial: &Trial, format: FmuFormat) -> String {
     packed_description(trial, format, &[])
 }
 
 /// Returns the model description of an FMU that starts with this Trial, in which these are packed.
-pub fn packed_description(trial: &Trial, format: Format, packed: &[Packed]) -> String {
+pub fn packed_description(trial: &Trial, format: FmuFormat, packed: &[Packed]) -> String {
     let mut crowd = CrowdModel::of_trial(trial.clone(), DriveTable::default());
     description::packed_description(&mut crowd, format, packed).expect("start values are in the Trial")
 }
@@ -44,9 +44,10 @@ mod tests {
     fn the_committed_ones_are_the_generated_ones() {
         let (trial, warnings) = setup::read(&trial_push()).unwrap();
         assert!(warnings.is_empty(), "{warnings}");
-        for (file, format) in
-            [("fmu/modelDescription.xml", Format::default()), ("fmu/modelDescription3.xml", Format::Fmi3)]
-        {
+        for (file, format) in [
+            ("fmu/modelDescription.xml", FmuFormat::default()),
+            ("fmu/modelDescription3.xml", FmuFormat::Fmi3),
+        ] {
             let (path, generated) = (repository().join(file), model_description(&trial, format));
             if std::env::var_os("DESCRIPTIONS").is_some_and(|what| what == "write") {
                 std::fs::write(&path, &generated).unwrap();

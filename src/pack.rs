@@ -8,15 +8,15 @@ use crate::quantities::{scalars, shared};
 use crate::resources::{TRIALS_FILE, can_be_packed};
 use crate::setup;
 use lemons_core::files::Staged;
-use lemons_core::files::source::{Disk, Source};
+use lemons_core::files::source::{FileSource, LocalFiles};
 use lemons_core::trial::{DRIVE_FILE, DriveTable, FileNames, Problems, Trial};
-use lemons_fmi::archive::{Archive, ArchiveError, Content, Drawing, read};
+use lemons_fmi::archive::{ArchiveError, FmuContent, FmuPicture, FmuWriter, read};
 pub use lemons_fmi::archive::{
     Binary, COMPONENT, THIRD_PARTY, host_directory, host_platform, library_file, platforms,
 };
 use lemons_fmi::description::Packed;
 use lemons_fmi::model::fingerprint;
-pub use lemons_fmi::{Format, Naming};
+pub use lemons_fmi::{FmuFormat, Naming};
 use lemons_fmi::{Version, documentation};
 use std::io::{Seek, Write};
 use std::path::{Component, Path, PathBuf};
@@ -59,10 +59,10 @@ pub enum PackError {
 }
 
 /// Draws a Trial as a PNG; `None` if it cannot be drawn.
-pub type Draw = fn(&Trial) -> Option<Vec<u8>>;
+pub type DrawTrial = fn(&Trial) -> Option<Vec<u8>>;
 
 /// Further errors of a Trial, in files that the mechanics do not read.
-pub type Check = fn(&Trial) -> Problems;
+pub type TrialCheck = fn(&Trial) -> Problems;
 
 /// The content of an FMU.
 #[derive(Debug, Clone, Default)]
@@ -72,11 +72,11 @@ pub struct Package {
     /// The binaries; at least one.
     pub binaries: Vec<Binary>,
     /// Draws `model.png` (in FMI 3.0 `documentation/model.png`), of the first Trial.
-    pub picture: Option<Draw>,
+    pub picture: Option<DrawTrial>,
     /// Checks each Trial further. A Trial with errors is not packed.
-    pub check: Option<Check>,
+    pub check: Option<TrialCheck>,
     /// Version of FMI.
-    pub format: Format,
+    pub format: FmuFormat,
 }
 
 impl Package {
@@ -87,7 +87,7 @@ impl Package {
     pub fn write(&self, output: &Path) -> Result<Vec<String>, PackError> {
         let write_error = |error| PackError::Write { path: output.to_owned(), error };
         let begin = || Staged::beside(output).map_err(write_error);
-        let (warnings, file) = self.write_with(&Disk, output, begin)?;
+        let (warnings, file) = self.write_with(&LocalFiles, output, begin)?;
         file.persist().map_err(write_error)?;
         Ok(warnings)
     }
@@ -98,7 +98,7 @@ impl Package {
     /// See [`PackError`].
     pub fn write_to(
         &self,
-        files: &dyn Source,
+        files: &dyn FileSource,
         name: &Path,
         output: impl Write + Seek,
     ) -> Result<Vec<String>, PackError> {
@@ -108,7 +108,7 @@ impl Package {
     /// Reads the Trials, begins the file, and writes it.
     fn write_with<W: Write + Seek>(
         &self,
-        files: &dyn Source,
+        files: &dyn FileSource,
         name: &Path,
         begin: impl FnOnce() -> Result<W, PackError>,
     ) -> Result<(Vec<String>, W), PackError> {
@@ -133,7 +133,7 @@ impl Package {
     /// Writes the archive's content.
     fn fill(
         &self,
-        files: &dyn Source,
+        files: &dyn FileSource,
         trials: &[Trial],
         contents: &[Files],
         description: &str,
@@ -141,17 +141,17 @@ impl Package {
     ) -> Result<(), ArchiveError> {
         let version = self.format.version();
         let picture = self.picture.and_then(|draw| draw(&trials[0]));
-        let content = Content {
+        let content = FmuContent {
             version,
             description,
             documentation: &documentation(&trials[0], version, picture.is_some()),
             binaries: &self.binaries,
             terminals: terminals(&trials[0], version),
-            icon: Drawing { svg: include_str!("icon.svg"), png: include_bytes!("icon.png") },
-            diagram: Drawing { svg: include_str!("diagram.svg"), png: include_bytes!("diagram.png") },
+            icon: FmuPicture { svg: include_str!("icon.svg"), png: include_bytes!("icon.png") },
+            diagram: FmuPicture { svg: include_str!("diagram.svg"), png: include_bytes!("diagram.png") },
             picture,
         };
-        let mut archive = Archive::begin::<CrowdModel>(file, files, &content)?;
+        let mut archive = FmuWriter::begin::<CrowdModel>(file, files, &content)?;
         let names: String = trials.iter().map(|trial| format!("{}\n", trial.name)).collect();
         archive.add(&format!("resources/{TRIALS_FILE}"), names.as_bytes())?;
         for (trial, content) in trials.iter().zip(contents) {
@@ -163,7 +163,7 @@ impl Package {
     }
 
     /// Reads the Trials and checks that they have the same interface.
-    fn read_trials(&self, files: &dyn Source) -> Result<(Vec<Trial>, Vec<String>), PackError> {
+    fn read_trials(&self, files: &dyn FileSource) -> Result<(Vec<Trial>, Vec<String>), PackError> {
         let mut trials: Vec<Trial> = Vec::new();
         let mut warnings = Vec::new();
         for path in &self.trials {
@@ -194,7 +194,7 @@ impl Package {
                 }
             }
             if let Some(first) = trials.first()
-                && self.format != Format::Fmi3
+                && self.format != FmuFormat::Fmi3
                 && let Some(why) = difference(first, &trial)
             {
                 return Err(PackError::OtherInterface { first: first.name.clone(), other: trial.name, why });
@@ -212,7 +212,7 @@ fn check_size(trial: &Trial, size: u64) -> Result<(), PackError> {
 
 /// \[byte\] Lower bound of the size of the model description, accurate to some percent, extrapolated from a few agents:
 /// making all of it takes much time and memory.
-fn least_size(trial: &Trial, format: Format) -> u64 {
+fn least_size(trial: &Trial, format: FmuFormat) -> u64 {
     const SAMPLE: usize = 50;
     let agents = trial.agents.len();
     if agents <= SAMPLE {
@@ -271,7 +271,7 @@ fn packed(trial: &Trial, files: &Files) -> Packed {
 }
 
 /// Reads the files of a Trial, which are packed unchanged.
-fn files_of(files: &dyn Source, trial: &Trial) -> Result<Files, ArchiveError> {
+fn files_of(files: &dyn FileSource, trial: &Trial) -> Result<Files, ArchiveError> {
     let (fixed, moving) = (trial.parameters.static_path(), trial.parameters.dynamic_path());
     let needed = [
         PathBuf::from("Parameters.xml"),

@@ -7,10 +7,10 @@
 //! order of Geometry.xml.
 
 use lemons_core::plane::Vec2;
-use lemons_core::trial::{Contact, Materials, Trial, Wall};
+use lemons_core::trial::{ContactCoefficients, Materials, Trial, Wall};
 use lemons_fmi::variables::types::*;
 use lemons_fmi::variables::{Dimension, Domain, Scalar, Size, Variable, row};
-pub use lemons_fmi::variables::{Kind, Role};
+pub use lemons_fmi::variables::{Role, VariableType};
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
@@ -21,7 +21,7 @@ pub const MOST_MECHANICAL_STEPS: f64 = 1e9;
 /// A quantity: a row of [`QUANTITIES`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[allow(missing_docs)] // the table says it
-pub enum Quantity {
+pub enum CrowdQuantity {
     TimeStepMechanical,
     MostMechanicalSteps,
     IntermediateSteps,
@@ -78,28 +78,29 @@ const MATERIALS: &[Dimension] = &[Dimension::Size(1)];
 const PAIRS: &[Dimension] = &[Dimension::Size(1), Dimension::Size(1)];
 const WALLS: &[Dimension] = &[Dimension::Size(2)];
 /// Where disks and faces are: on this contacts and overlaps depend at the start.
-const PLACES: &[Quantity] = &[Quantity::Trial, Quantity::Active, Quantity::Position, Quantity::Theta];
+const PLACES: &[CrowdQuantity] =
+    &[CrowdQuantity::Trial, CrowdQuantity::Active, CrowdQuantity::Position, CrowdQuantity::Theta];
 /// On this normal forces depend at the start.
-const FORCES: &[Quantity] = &[
-    Quantity::Trial,
-    Quantity::Active,
-    Quantity::Position,
-    Quantity::Theta,
-    Quantity::Velocity,
-    Quantity::Omega,
-    Quantity::YoungModulus,
-    Quantity::ShearModulus,
-    Quantity::GammaNormal,
+const FORCES: &[CrowdQuantity] = &[
+    CrowdQuantity::Trial,
+    CrowdQuantity::Active,
+    CrowdQuantity::Position,
+    CrowdQuantity::Theta,
+    CrowdQuantity::Velocity,
+    CrowdQuantity::Omega,
+    CrowdQuantity::YoungModulus,
+    CrowdQuantity::ShearModulus,
+    CrowdQuantity::GammaNormal,
 ];
 /// What names of arrays of walls begin with; in FMI 2.0 it is before the name.
 const WALL: &str = "Wall";
 
 /// The table. Where an array of agents has the name that FMI 2.0 gives a number of the whole crowd,
 /// the number is called a total.
-pub static QUANTITIES: [Variable<Quantity>; 40] = {
+pub static QUANTITIES: [Variable<CrowdQuantity>; 40] = {
+    use CrowdQuantity::*;
     use Domain::*;
-    use Kind::*;
-    use Quantity::*;
+    use VariableType::*;
     [
         row(TimeStepMechanical, "TimeStepMechanical", ONE_VALUE, Real(DURATION))
             .parameter(Positive, "longest step of the integrator"),
@@ -201,14 +202,14 @@ pub static QUANTITIES: [Variable<Quantity>; 40] = {
     ]
 };
 
-impl Quantity {
+impl CrowdQuantity {
     /// Returns whether it has an element for each two materials.
     pub fn is_of_pairs(self) -> bool {
         self.row().dimensions == PAIRS
     }
 
     /// Returns its row of the table.
-    pub fn row(self) -> &'static Variable<Quantity> {
+    pub fn row(self) -> &'static Variable<CrowdQuantity> {
         &QUANTITIES[self as usize]
     }
 }
@@ -226,16 +227,16 @@ pub fn segments(trial: &Trial) -> impl Iterator<Item = (&Wall, usize)> {
 }
 
 /// Returns the variables of a Trial's FMI 2.0 FMU. A value reference is an index in this list.
-pub fn scalars(trial: &Trial) -> Vec<Scalar<Quantity>> {
+pub fn scalars(trial: &Trial) -> Vec<Scalar<CrowdQuantity>> {
     let of = |dimensions: &'static [Dimension]| {
         QUANTITIES.iter().filter(move |row| row.dimensions.first() == dimensions.first())
     };
-    let of_crowd = of(ONE_VALUE).filter(|row| row.quantity != Quantity::IntermediateSteps);
-    let mut scalars: Vec<Scalar<Quantity>> = of_crowd.flat_map(|row| row.scalars(0, "", "")).collect();
+    let of_crowd = of(ONE_VALUE).filter(|row| row.quantity != CrowdQuantity::IntermediateSteps);
+    let mut scalars: Vec<Scalar<CrowdQuantity>> = of_crowd.flat_map(|row| row.scalars(0, "", "")).collect();
     for scalar in &mut scalars {
         scalar.name = scalar.name.trim_start_matches("Total").to_owned();
     }
-    let numbers = || of(AGENTS).filter(|row| row.kind != Kind::String);
+    let numbers = || of(AGENTS).filter(|row| row.kind != VariableType::String);
     for (i, agent) in trial.agents.iter().enumerate() {
         let (prefix, about) = (format!("agent[{i}]."), format!("agent Id {}: ", agent.id));
         scalars.extend(numbers().flat_map(|row| row.scalars(i, &prefix, &about)));
@@ -254,9 +255,9 @@ pub fn scalars(trial: &Trial) -> Vec<Scalar<Quantity>> {
 
 /// Returns the variables of a Trial's materials. A quantity of a pair of materials has one, for the
 /// pair as it is in Materials.xml.
-fn scalars_of_materials(trial: &Trial) -> Vec<Scalar<Quantity>> {
+fn scalars_of_materials(trial: &Trial) -> Vec<Scalar<CrowdQuantity>> {
     let of = |dimensions| {
-        QUANTITIES.iter().filter(move |row| row.dimensions == dimensions && row.kind != Kind::String)
+        QUANTITIES.iter().filter(move |row| row.dimensions == dimensions && row.kind != VariableType::String)
     };
     let materials = &trial.materials.intrinsic;
     let mut scalars = Vec::new();
@@ -331,8 +332,8 @@ fn quoted(id: &str) -> String {
 
 /// Returns the element of a quantity in a Trial's documents; `None` if it is not there: it is
 /// computed, or belongs to the instance.
-pub(crate) fn field(trial: &mut Trial, quantity: Quantity, element: usize) -> Option<&mut f64> {
-    use Quantity::*;
+pub(crate) fn field(trial: &mut Trial, quantity: CrowdQuantity, element: usize) -> Option<&mut f64> {
+    use CrowdQuantity::*;
     let i = if quantity.row().is_vector() { element / 2 } else { element };
     Some(match quantity {
         TimeStepMechanical => &mut trial.parameters.time_step_mechanical,
@@ -359,7 +360,7 @@ fn axis(vector: &mut Vec2, element: usize) -> &mut f64 {
     if element.is_multiple_of(2) { &mut vector.x } else { &mut vector.y }
 }
 
-fn contact(materials: &mut Materials, element: usize) -> Option<&mut Contact> {
+fn contact(materials: &mut Materials, element: usize) -> Option<&mut ContactCoefficients> {
     let place = place_of_contact(materials, element)?;
     materials.binary.get_mut(place)
 }
@@ -368,8 +369,9 @@ fn contact(materials: &mut Materials, element: usize) -> Option<&mut Contact> {
 /// they never touch.
 pub(crate) fn place_of_contact(materials: &Materials, element: usize) -> Option<usize> {
     let [one, other] = ids_of_pair(materials, element)?;
-    let is_it =
-        |Contact { id1, id2, .. }: &Contact| (id1 == one && id2 == other) || (id1 == other && id2 == one);
+    let is_it = |ContactCoefficients { id1, id2, .. }: &ContactCoefficients| {
+        (id1 == one && id2 == other) || (id1 == other && id2 == one)
+    };
     materials.binary.iter().position(is_it)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::setup;
 use lemons_core::files::input;
-use lemons_core::files::source::{Disk, Source};
+use lemons_core::files::source::{FileSource, LocalFiles};
 use lemons_core::trial::{DriveTable, FileNames, Problems, Trial};
 use lemons_fmi::location::{Location, LocationError};
 use std::io::ErrorKind;
@@ -50,7 +50,7 @@ pub struct Resources {
 #[derive(Debug, Clone)]
 enum Place {
     /// Packed in this directory of an FMU.
-    Directory(&'static (dyn Source + Sync), PathBuf),
+    Directory(&'static (dyn FileSource + Sync), PathBuf),
     /// One, in memory, with its drive.
     Memory(Arc<(Trial, DriveTable)>),
 }
@@ -62,9 +62,9 @@ impl Resources {
     /// # Errors
     /// There is no location, it is not a file URI, there is no directory at this place, or it contains no Trial.
     pub fn at(location: Location<'_>) -> Result<Resources, ResourcesError> {
-        let (files, candidates): (&'static (dyn Source + Sync), _) = match location {
+        let (files, candidates): (&'static (dyn FileSource + Sync), _) = match location {
             Location::Files(files) => (files, vec![PathBuf::new()]),
-            _ => (&Disk, location.directories()?),
+            _ => (&LocalFiles, location.directories()?),
         };
         for directory in &candidates {
             let names = names_in(files, directory)?;
@@ -121,7 +121,7 @@ impl Resources {
 }
 
 /// Returns the names of the Trials in a directory: those in [`TRIALS_FILE`], or else all, sorted by name.
-fn names_in(files: &dyn Source, directory: &Path) -> Result<Vec<String>, ResourcesError> {
+fn names_in(files: &dyn FileSource, directory: &Path) -> Result<Vec<String>, ResourcesError> {
     let list = directory.join(TRIALS_FILE);
     match files.read_text(&list, input::LARGEST_SETTINGS) {
         Ok(text) => {

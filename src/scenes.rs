@@ -5,7 +5,7 @@ pub mod bare;
 
 use crate::engine::*;
 use lemons_core::plane::Motion;
-use lemons_core::trial::{Agent, AgentDynamics, Shape, Trial};
+use lemons_core::trial::{Agent, AgentDynamics, ShapeElement, Trial};
 use std::f64::consts::TAU;
 
 /// Springs only.
@@ -34,71 +34,71 @@ pub const RATE: f64 = 4.5;
 /// A body, and how it moves at first.
 #[derive(Debug, Clone)]
 #[allow(missing_docs)]
-pub struct Placed {
+pub struct PlacedBody {
     pub body: BodySpec,
     pub pose: Pose,
     pub twist: Twist,
 }
 
-impl Placed {
+impl PlacedBody {
     /// Puts it at a place \[m\].
-    pub fn at(mut self, x: f64, y: f64) -> Placed {
+    pub fn at(mut self, x: f64, y: f64) -> PlacedBody {
         self.pose.position = vec2(x, y);
         self
     }
 
     /// Turns its gaze, which else is along +x, to an angle \[rad\].
-    pub fn turned(mut self, angle: f64) -> Placed {
+    pub fn turned(mut self, angle: f64) -> PlacedBody {
         self.pose.orientation = angle;
         self
     }
 
     /// Gives it a velocity \[m/s\].
-    pub fn moving(mut self, x: f64, y: f64) -> Placed {
+    pub fn moving(mut self, x: f64, y: f64) -> PlacedBody {
         self.twist.velocity = vec2(x, y);
         self
     }
 
     /// Gives it an angular velocity \[rad/s\].
-    pub fn spinning(mut self, angular_velocity: f64) -> Placed {
+    pub fn spinning(mut self, angular_velocity: f64) -> PlacedBody {
         self.twist.angular_velocity = angular_velocity;
         self
     }
 
     /// Gives it relaxation rates \[1/s\] of velocity and angular velocity.
-    pub fn relaxing(mut self, translation: f64, rotation: f64) -> Placed {
+    pub fn relaxing(mut self, translation: f64, rotation: f64) -> PlacedBody {
         (self.body.translation_rate, self.body.rotation_rate) = (translation, rotation);
         self
     }
 
     /// Gives it another relaxation rate \[1/s\] of the velocity across the gaze.
-    pub fn relaxing_across(mut self, rate: f64) -> Placed {
+    pub fn relaxing_across(mut self, rate: f64) -> PlacedBody {
         self.body.across_rate = Some(rate);
         self
     }
 
     /// Gives it another moment of inertia \[kg.m2\].
-    pub fn of_inertia(mut self, inertia: f64) -> Placed {
+    pub fn of_inertia(mut self, inertia: f64) -> PlacedBody {
         self.body.inertia = inertia;
         self
     }
 }
 
-fn placed(mass: f64, inertia: f64, disks: &[(f64, f64, f64)]) -> Placed {
+fn placed(mass: f64, inertia: f64, disks: &[(f64, f64, f64)]) -> PlacedBody {
     let disk = |&(radius, x, y): &(f64, f64, f64)| DiskSpec { radius, position: vec2(x, y), material: 0 };
     let disks = disks.iter().map(disk).collect();
     let body =
         BodySpec { mass, inertia, translation_rate: 0.0, across_rate: None, rotation_rate: 0.0, disks };
-    Placed { body, pose: Pose::default(), twist: Twist::default() }
+    PlacedBody { body, pose: Pose::default(), twist: Twist::default() }
 }
 
 /// Returns a round body of one disk at the origin, at rest, without relaxation.
-pub fn disk(mass: f64, radius: f64) -> Placed {
+pub fn disk(mass: f64, radius: f64) -> PlacedBody {
     placed(mass, 0.5 * mass * radius * radius, &[(radius, 0.0, 0.0)])
 }
 
 /// Returns a body with the five disks of the paper's agent 0 (App. C), and one relaxation rate \[1/s\].
-pub fn pedestrian(mass: f64, rate: f64) -> Placed {
+pub fn pedestrian(mass: f64, rate: f64) -> PlacedBody {
     let shape = [
         (0.09495, -0.015458, 0.153544),
         (0.13058, 0.008692, 0.067374),
@@ -122,7 +122,7 @@ pub const CONCRETE: PairLaw = PairLaw {
 ///
 /// # Panics
 /// Never: every pair has the law, and there are few bodies.
-pub fn world(people: &[Placed], walls: &[&[(f64, f64)]], law: PairLaw, mechanical_step: f64) -> World {
+pub fn world(people: &[PlacedBody], walls: &[&[(f64, f64)]], law: PairLaw, mechanical_step: f64) -> World {
     let corner = |&(x, y): &(f64, f64)| vec2(x, y);
     let wall =
         |corners: &&[(f64, f64)]| WallSpec { material: 0, corners: corners.iter().map(corner).collect() };
@@ -136,7 +136,7 @@ pub fn world(people: &[Placed], walls: &[&[(f64, f64)]], law: PairLaw, mechanica
 ///
 /// # Panics
 /// A pair that may touch has no law.
-pub fn world_of(people: &[Placed], walls: &[WallSpec], laws: LawTable, mechanical_step: f64) -> World {
+pub fn world_of(people: &[PlacedBody], walls: &[WallSpec], laws: LawTable, mechanical_step: f64) -> World {
     let bodies: Vec<BodySpec> = people.iter().map(|person| person.body.clone()).collect();
     let scene = Scene::new(&bodies, walls, laws);
     let (poses, twists) = people.iter().map(|person| (person.pose, person.twist)).unzip();
@@ -153,18 +153,21 @@ pub fn polygon(sides: u32) -> Vec<(f64, f64)> {
 }
 
 /// Puts people into a Trial, each like its first one, of the material of that one's first disk.
-pub fn populate(trial: &mut Trial, people: &[Placed]) {
+pub fn populate(trial: &mut Trial, people: &[PlacedBody]) {
     let (someone, still) = (trial.agents[0].clone(), trial.dynamics[0].clone());
-    let shape =
-        |disk: &DiskSpec| Shape { radius: disk.radius, position: disk.position, ..someone.shapes[0].clone() };
-    let agent = |(k, person): (usize, &Placed)| Agent {
+    let shape = |disk: &DiskSpec| ShapeElement {
+        radius: disk.radius,
+        position: disk.position,
+        ..someone.shapes[0].clone()
+    };
+    let agent = |(k, person): (usize, &PlacedBody)| Agent {
         id: k.to_string(),
         mass: person.body.mass,
         moment_of_inertia: person.body.inertia,
         shapes: person.body.disks.iter().map(shape).collect(),
         ..someone.clone()
     };
-    let moving = |person: &Placed| AgentDynamics {
+    let moving = |person: &PlacedBody| AgentDynamics {
         fp: still.fp,
         mp: still.mp,
         ..AgentDynamics::of(&Motion { pose: person.pose, twist: person.twist })
@@ -289,7 +292,7 @@ pub fn lattice(side: u32, spacing: f64, mechanical_step: f64) -> World {
 
 /// Returns pedestrians of 70 kg with this relaxation rate \[1/s\] on a square lattice, columns and rows so far apart
 /// \[m\].
-pub fn on_lattice(side: u32, [x, y]: [f64; 2], rate: f64) -> Vec<Placed> {
+pub fn on_lattice(side: u32, [x, y]: [f64; 2], rate: f64) -> Vec<PlacedBody> {
     let person = |k: u32| {
         let (column, row, k) = (f64::from(k % side), f64::from(k / side), f64::from(k));
         let person = pedestrian(70.0, rate).at(x * column, y * row).turned(0.7 * k);
@@ -304,7 +307,7 @@ pub fn in_a_box(
     spacing: Vec2,
     turned: f64,
     numbers: &mut Random,
-) -> (Vec<Placed>, [(f64, f64); 5]) {
+) -> (Vec<PlacedBody>, [(f64, f64); 5]) {
     let columns = ((agents as f64 * spacing.y / spacing.x).sqrt().round() as usize).max(1);
     let person = |k: usize| {
         let x = spacing.x * ((k % columns) as f64 + 0.5) + 0.01 * numbers.signed();

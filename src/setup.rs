@@ -11,7 +11,7 @@ pub use steps::{FINEST_ACCURACY, Steps};
 pub use usual::doubts_of_drive;
 pub use world::{WorldError, dynamics_of, interactions_of};
 
-use lemons_core::files::source::{Disk, Source};
+use lemons_core::files::source::{FileSource, LocalFiles};
 use lemons_core::trial::{FileNames, Problems, Trial};
 use std::ops::Deref;
 use std::path::Path;
@@ -40,7 +40,7 @@ impl Deref for Setup<'_> {
 /// # Errors
 /// All errors in its files, or more people at one place than can be simulated.
 pub fn read(directory: &Path) -> Result<(Trial, Problems), Problems> {
-    read_from(&Disk, directory, &FileNames::default())
+    read_from(&LocalFiles, directory, &FileNames::default())
 }
 
 /// Like [`read`], from these files, with these names.
@@ -48,7 +48,7 @@ pub fn read(directory: &Path) -> Result<(Trial, Problems), Problems> {
 /// # Errors
 /// Those of [`read`].
 pub fn read_from(
-    files: &dyn Source,
+    files: &dyn FileSource,
     directory: &Path,
     names: &FileNames,
 ) -> Result<(Trial, Problems), Problems> {

@@ -16,7 +16,7 @@ use fmi::fmi3::types::{
 use lemons_fmi::boundary::Log;
 use lemons_fmi::lifecycle::{Function, Phase};
 use lemons_fmi::location::Location;
-use lemons_fmi::variables::{Number, Type};
+use lemons_fmi::variables::{Number, BaseType};
 use lemons_fmi::{Answer, Model, Refusal, Slave, Version, refuse};
 use std::cell::RefCell;
 
@@ -251,7 +251,7 @@ impl GuestCoSimulationInstance for Instance {
 
     fn get_string(&self, references: Vec<u32>) -> Result<Vec<String>, Status> {
         self.call("fmi3GetString", |slave| {
-            let count = slave.count(&references, Type::String)?;
+            let count = slave.count(&references, BaseType::String)?;
             slave.get_strings(&references, count)
         })
     }
@@ -300,7 +300,7 @@ impl GuestCoSimulationInstance for Instance {
     fn get_output_derivatives(&self, requests: Vec<(u32, u32)>) -> Result<Vec<f64>, Status> {
         let (references, orders) = unzip(requests);
         self.call("fmi3GetOutputDerivatives", |slave| {
-            let mut values = vec![0.0; slave.count(&references, Type::Real)?];
+            let mut values = vec![0.0; slave.count(&references, BaseType::Real)?];
             slave.get_output_derivatives(&references, &orders, &mut values).map(|()| values)
         })
     }

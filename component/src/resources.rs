@@ -1,6 +1,6 @@
 //! The files of the directory `resources`: those that were built in, or else those that the importer has.
 
-use lemons_core::files::source::Source;
+use lemons_core::files::source::FileSource;
 use std::io::{Error, ErrorKind, Result};
 use std::path::Path;
 
@@ -8,12 +8,12 @@ use std::path::Path;
 include!(concat!(env!("OUT_DIR"), "/built_in.rs"));
 
 /// The files.
-pub const FILES: &(dyn Source + Sync) = &Files;
+pub const FILES: &(dyn FileSource + Sync) = &Files;
 
 #[derive(Debug)]
 struct Files;
 
-impl Source for Files {
+impl FileSource for Files {
     fn read(&self, path: &Path, largest: u64) -> Result<Vec<u8>> {
         let content = read(&text(path))?;
         if content.len() as u64 > largest {

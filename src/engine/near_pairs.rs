@@ -3,7 +3,7 @@
 use super::body_kinematics::BodyKinematics;
 use super::circle::Circle;
 use super::contact_law::SpringHistory;
-use super::{BodyId, Disk, DiskId, DiskSpring, FaceId, FacePart, FaceSpring, Scene, State, Vec2};
+use super::{BodyId, ContactDisk, DiskId, DiskSpring, FaceId, FacePart, FaceSpring, Scene, State, Vec2};
 use std::iter::Peekable;
 use std::slice::Iter;
 
@@ -163,7 +163,7 @@ impl NearPairs {
         }
         let mut old = self.old.faces.iter().peekable();
         for &(disk, face) in &candidates.faces {
-            let Disk { body, offset, radius, .. } = scene.disks[disk.index()];
+            let ContactDisk { body, offset, radius, .. } = scene.disks[disk.index()];
             let circle = Circle { centre: kinematics[body.index()].centre(offset), radius };
             let spring = kept(&mut old, (disk, face));
             if circle.nears_face(&scene.faces, face, margin) || spring.is_some() {

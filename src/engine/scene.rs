@@ -129,7 +129,7 @@ impl Body {
 
 /// A disk of a body.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Disk {
+pub struct ContactDisk {
     /// The owner.
     pub body: BodyId,
     /// \[m\]
@@ -173,7 +173,7 @@ pub struct Scene {
     /// Bodies in the order of the agents.
     pub bodies: Vec<Body>,
     /// Grouped by body.
-    pub disks: Vec<Disk>,
+    pub disks: Vec<ContactDisk>,
     /// One body for each pair of relaxation rates that occurs.
     pub(super) flyers: Vec<BodyId>,
     /// Grouped by wall.
@@ -253,7 +253,7 @@ impl Scene {
             _ => 0.0,
         };
         let back = rotation(-shown);
-        self.disks.extend(spec.disks.iter().map(|disk| Disk {
+        self.disks.extend(spec.disks.iter().map(|disk| ContactDisk {
             body,
             radius: disk.radius,
             offset: back * disk.position,

@@ -2,7 +2,9 @@
 
 use super::face::nearest_on_face;
 use super::overlap::{COINCIDENT, Proximity, meet_face, unit};
-use super::{Disk, DiskId, DiskSpring, FaceId, FaceSpring, InPlane, Pose, Scene, Vec2, rotation, vec2};
+use super::{
+    ContactDisk, DiskId, DiskSpring, FaceId, FaceSpring, InPlane, Pose, Scene, Vec2, rotation, vec2,
+};
 
 impl Scene {
     /// Returns the centre \[m\] of a disk when the bodies are at these poses.
@@ -20,7 +22,8 @@ impl Scene {
 
     /// Returns the spring between a disk and a face from its elongation vector \[m\].
     pub fn face_spring(&self, disk: DiskId, face: FaceId, elongation: Vec2, poses: &[Pose]) -> FaceSpring {
-        let (centre, Disk { body, radius, .. }) = (self.centre(disk, poses), &self.disks[disk.index()]);
+        let (centre, ContactDisk { body, radius, .. }) =
+            (self.centre(disk, poses), &self.disks[disk.index()]);
         let of_wall = &self.faces[face.index()];
         let nearest = nearest_on_face(of_wall, centre);
         let owner = poses[body.index()].position;

@@ -2,10 +2,10 @@
 
 use super::packed::Packed;
 use super::running::{agent_of_drive, input, part_of_drive, read};
-use super::saved::Saved;
+use super::saved::SavedCrowd;
 use super::{CrowdModel, output};
 use crate::engine::{BodyId, Vec2, step_count};
-use crate::quantities::{self, QUANTITIES, Quantity, SIZES, ids_of_pair, place_of_contact};
+use crate::quantities::{self, CrowdQuantity, QUANTITIES, SIZES, ids_of_pair, place_of_contact};
 use crate::resources::Resources;
 use crate::setup::Setup;
 use lemons_fmi::location::Location;
@@ -13,8 +13,8 @@ use lemons_fmi::variables::{Dependencies, Known, Role, Scalar, Size, Variable};
 use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, refuse};
 
 impl Model for CrowdModel {
-    type Quantity = Quantity;
-    type Saved = Saved;
+    type Quantity = CrowdQuantity;
+    type Saved = SavedCrowd;
 
     const NAME: &'static str = "LEMONS crowd mechanics";
     const IDENTIFIER: &'static str = "CrowdMechanics";
@@ -26,7 +26,7 @@ impl Model for CrowdModel {
     const SHOWS_INTERMEDIATE_VALUES: bool = true;
     const STATE_VERSION: u32 = 12;
     const SIZES: &'static [Size] = &SIZES;
-    const VARIABLES: &'static [Variable<Quantity>] = &QUANTITIES;
+    const VARIABLES: &'static [Variable<CrowdQuantity>] = &QUANTITIES;
 
     fn load(location: Location<'_>) -> Answer<CrowdModel> {
         let resources = Resources::at(location)?;
@@ -39,7 +39,7 @@ impl Model for CrowdModel {
         quantities::sizes(&self.trial)[place]
     }
 
-    fn scalars(&self) -> Vec<Scalar<Quantity>> {
+    fn scalars(&self) -> Vec<Scalar<CrowdQuantity>> {
         quantities::scalars(&self.packed.trial)
     }
 
@@ -52,7 +52,7 @@ impl Model for CrowdModel {
     }
 
     #[inline(always)]
-    fn number(&mut self, quantity: Quantity, element: usize) -> Answer<f64> {
+    fn number(&mut self, quantity: CrowdQuantity, element: usize) -> Answer<f64> {
         let mut value = [0.0];
         match &self.world {
             Some(world) if read(world, quantity, element, &mut value) => Ok(value[0]),
@@ -60,7 +60,7 @@ impl Model for CrowdModel {
         }
     }
 
-    fn numbers(&mut self, quantity: Quantity, values: &mut [f64]) -> Answer<()> {
+    fn numbers(&mut self, quantity: CrowdQuantity, values: &mut [f64]) -> Answer<()> {
         if self.world.as_ref().is_some_and(|world| read(world, quantity, 0, values)) {
             return Ok(());
         }
@@ -70,17 +70,17 @@ impl Model for CrowdModel {
         Ok(())
     }
 
-    fn text(&self, quantity: Quantity, element: usize) -> &str {
+    fn text(&self, quantity: CrowdQuantity, element: usize) -> &str {
         match quantity {
-            Quantity::Trial => &self.packed.trial.name,
-            Quantity::AgentId => &self.trial.agents[element].id,
-            Quantity::MaterialId => &self.trial.materials.intrinsic[element].id,
+            CrowdQuantity::Trial => &self.packed.trial.name,
+            CrowdQuantity::AgentId => &self.trial.agents[element].id,
+            CrowdQuantity::MaterialId => &self.trial.materials.intrinsic[element].id,
             _ => &self.settings.output_directory,
         }
     }
 
     /// Checks matrices of pairs of materials.
-    fn check(&self, quantity: Quantity, values: &[f64]) -> Answer<()> {
+    fn check(&self, quantity: CrowdQuantity, values: &[f64]) -> Answer<()> {
         if !quantity.is_of_pairs() {
             return Ok(());
         }
@@ -102,21 +102,21 @@ impl Model for CrowdModel {
     }
 
     #[inline]
-    fn set(&mut self, quantity: Quantity, element: usize, value: f64, phase: Phase) {
+    fn set(&mut self, quantity: CrowdQuantity, element: usize, value: f64, phase: Phase) {
         match quantity {
-            Quantity::MostMechanicalSteps => {
+            CrowdQuantity::MostMechanicalSteps => {
                 self.settings.most_steps = value;
                 if self.settings.tolerance.is_some() {
                     self.world = None;
                 }
             }
-            Quantity::Threads => {
+            CrowdQuantity::Threads => {
                 self.settings.threads = value as i32;
                 self.world = None;
             }
-            Quantity::IntermediateSteps => self.settings.intermediate_steps = value as i32,
-            Quantity::PlayDrive => self.settings.play_drive = value != 0.0,
-            Quantity::Active => self.set_present(element, value, phase),
+            CrowdQuantity::IntermediateSteps => self.settings.intermediate_steps = value as i32,
+            CrowdQuantity::PlayDrive => self.settings.play_drive = value != 0.0,
+            CrowdQuantity::Active => self.set_present(element, value, phase),
             _ => {
                 self.take_over(quantity, element);
                 match self.world.as_mut().and_then(|world| input(world, quantity, element)) {
@@ -130,22 +130,22 @@ impl Model for CrowdModel {
         }
     }
 
-    fn set_texts(&mut self, values: &[(Quantity, &str)]) -> Answer<()> {
+    fn set_texts(&mut self, values: &[(CrowdQuantity, &str)]) -> Answer<()> {
         let last =
             |wanted| values.iter().rev().find(|(quantity, _)| *quantity == wanted).map(|(_, value)| *value);
-        for (_, value) in values.iter().filter(|(quantity, _)| *quantity == Quantity::Trial) {
+        for (_, value) in values.iter().filter(|(quantity, _)| *quantity == CrowdQuantity::Trial) {
             self.known_trial(value)?;
         }
-        if let Some(name) = last(Quantity::Trial).filter(|name| *name != self.packed.trial.name) {
+        if let Some(name) = last(CrowdQuantity::Trial).filter(|name| *name != self.packed.trial.name) {
             self.choose(name)?;
         }
-        if let Some(directory) = last(Quantity::OutputDirectory) {
+        if let Some(directory) = last(CrowdQuantity::OutputDirectory) {
             directory.clone_into(&mut self.settings.output_directory);
         }
         Ok(())
     }
 
-    fn derivative(&self, quantity: Quantity, element: usize) -> Option<f64> {
+    fn derivative(&self, quantity: CrowdQuantity, element: usize) -> Option<f64> {
         let world = self.world.as_ref()?;
         let i = if quantity.row().is_vector() { element / 2 } else { element };
         let motion = |body: BodyId| match world.is_present(body) {
@@ -154,25 +154,25 @@ impl Model for CrowdModel {
         };
         let of = |vector: Vec2| if element.is_multiple_of(2) { vector.x } else { vector.y };
         match quantity {
-            Quantity::Position => Some(of(motion(BodyId::from(i)).0.velocity)),
-            Quantity::Theta => Some(motion(BodyId::from(i)).0.angular_velocity),
-            Quantity::Velocity => Some(of(motion(BodyId::from(i)).1.force)),
-            Quantity::Omega => Some(motion(BodyId::from(i)).1.torque),
+            CrowdQuantity::Position => Some(of(motion(BodyId::from(i)).0.velocity)),
+            CrowdQuantity::Theta => Some(motion(BodyId::from(i)).0.angular_velocity),
+            CrowdQuantity::Velocity => Some(of(motion(BodyId::from(i)).1.force)),
+            CrowdQuantity::Omega => Some(motion(BodyId::from(i)).1.torque),
             // Forces and overlaps are held until the next point: polynomials of order 0 (FMI 2.0.5, section 4.2.1).
             _ => (quantity.row().role == Role::Calculated).then_some(0.0),
         }
     }
 
-    fn set_rate(&mut self, quantity: Quantity, element: usize, rate: f64) {
+    fn set_rate(&mut self, quantity: CrowdQuantity, element: usize, rate: f64) {
         self.take_over(quantity, element);
-        if matches!(quantity, Quantity::Fp | Quantity::Mp) {
+        if matches!(quantity, CrowdQuantity::Fp | CrowdQuantity::Mp) {
             let rates = self.settings.rates.entry(agent_of_drive(quantity, element)).or_default();
             *part_of_drive(rates, quantity, element) = rate;
         }
     }
 
     /// Present inputs act from the next step on.
-    fn dependencies(&self, computed: Quantity, known: Known) -> Dependencies<Quantity> {
+    fn dependencies(&self, computed: CrowdQuantity, known: Known) -> Dependencies<CrowdQuantity> {
         Dependencies::All(match known {
             Known::Inputs => Vec::new(),
             Known::Starts => computed.row().initially_on.to_vec(),
@@ -256,11 +256,11 @@ impl Model for CrowdModel {
         Ok(())
     }
 
-    fn save(&self) -> Saved {
+    fn save(&self) -> SavedCrowd {
         self.saved()
     }
 
-    fn restore(&mut self, saved: &Saved) -> Answer<()> {
+    fn restore(&mut self, saved: &SavedCrowd) -> Answer<()> {
         self.go_back(saved)
     }
 }

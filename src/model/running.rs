@@ -1,34 +1,34 @@
 //! A running world: the elements of quantities in it, and its threads.
 
 use crate::engine::{BodyId, Vec2, World, Wrench};
-use crate::quantities::Quantity;
+use crate::quantities::CrowdQuantity;
 use lemons_fmi::{Answer, refuse};
 
 /// Returns the agent of an element of Fp or Mp.
-pub(super) fn agent_of_drive(quantity: Quantity, element: usize) -> usize {
-    if quantity == Quantity::Fp { element / 2 } else { element }
+pub(super) fn agent_of_drive(quantity: CrowdQuantity, element: usize) -> usize {
+    if quantity == CrowdQuantity::Fp { element / 2 } else { element }
 }
 
 /// Returns the part of a drive that an element of Fp or Mp is.
-pub(super) fn part_of_drive(drive: &mut Wrench, quantity: Quantity, element: usize) -> &mut f64 {
+pub(super) fn part_of_drive(drive: &mut Wrench, quantity: CrowdQuantity, element: usize) -> &mut f64 {
     match quantity {
-        Quantity::Fp if element.is_multiple_of(2) => &mut drive.force.x,
-        Quantity::Fp => &mut drive.force.y,
+        CrowdQuantity::Fp if element.is_multiple_of(2) => &mut drive.force.x,
+        CrowdQuantity::Fp => &mut drive.force.y,
         _ => &mut drive.torque,
     }
 }
 
 /// Returns the input of a running world behind an element, if it is one.
 #[inline]
-pub(super) fn input(world: &mut World, quantity: Quantity, element: usize) -> Option<&mut f64> {
-    let is_drive = matches!(quantity, Quantity::Fp | Quantity::Mp);
+pub(super) fn input(world: &mut World, quantity: CrowdQuantity, element: usize) -> Option<&mut f64> {
+    let is_drive = matches!(quantity, CrowdQuantity::Fp | CrowdQuantity::Mp);
     is_drive.then(|| part_of_drive(&mut world.drive[agent_of_drive(quantity, element)], quantity, element))
 }
 
 /// Reads elements of a quantity from a running world, from an element on. Returns whether the world
 /// has it.
 #[inline(always)]
-pub(super) fn read(world: &World, quantity: Quantity, first: usize, values: &mut [f64]) -> bool {
+pub(super) fn read(world: &World, quantity: CrowdQuantity, first: usize, values: &mut [f64]) -> bool {
     fn each(first: usize, values: &mut [f64], number: impl Fn(usize) -> f64) {
         values.iter_mut().enumerate().for_each(|(k, value)| *value = number(first + k));
     }
@@ -41,35 +41,35 @@ pub(super) fn read(world: &World, quantity: Quantity, first: usize, values: &mut
     let (state, report, exposures) = (world.state(), world.contacts(), world.exposures());
     let faces = world.face_exposures();
     match quantity {
-        Quantity::Fp => axes(first, values, |i| world.drive[i].force),
-        Quantity::Mp => each(first, values, |i| world.drive[i].torque),
-        Quantity::Position => axes(first, values, |i| state.poses[i].position),
-        Quantity::Theta => each(first, values, |i| state.poses[i].orientation),
-        Quantity::Velocity => axes(first, values, |i| state.twists[i].velocity),
-        Quantity::Omega => each(first, values, |i| state.twists[i].angular_velocity),
-        Quantity::NormalForce => each(first, values, |i| report.bodies[i].squeeze),
-        Quantity::MeanNormalForce => each(first, values, |i| exposures[i].mean_force),
-        Quantity::MeanPeopleForce => each(first, values, |i| exposures[i].mean_people_force()),
-        Quantity::MeanWallForce => each(first, values, |i| exposures[i].mean_wall_force),
-        Quantity::PeakNormalForce => each(first, values, |i| exposures[i].peak_force),
-        Quantity::PeakOverlap => each(first, values, |i| exposures[i].peak_overlap),
+        CrowdQuantity::Fp => axes(first, values, |i| world.drive[i].force),
+        CrowdQuantity::Mp => each(first, values, |i| world.drive[i].torque),
+        CrowdQuantity::Position => axes(first, values, |i| state.poses[i].position),
+        CrowdQuantity::Theta => each(first, values, |i| state.poses[i].orientation),
+        CrowdQuantity::Velocity => axes(first, values, |i| state.twists[i].velocity),
+        CrowdQuantity::Omega => each(first, values, |i| state.twists[i].angular_velocity),
+        CrowdQuantity::NormalForce => each(first, values, |i| report.bodies[i].squeeze),
+        CrowdQuantity::MeanNormalForce => each(first, values, |i| exposures[i].mean_force),
+        CrowdQuantity::MeanPeopleForce => each(first, values, |i| exposures[i].mean_people_force()),
+        CrowdQuantity::MeanWallForce => each(first, values, |i| exposures[i].mean_wall_force),
+        CrowdQuantity::PeakNormalForce => each(first, values, |i| exposures[i].peak_force),
+        CrowdQuantity::PeakOverlap => each(first, values, |i| exposures[i].peak_overlap),
         // A Trial that was chosen later may have fewer walls, or none.
-        Quantity::WallMeanNormalForce => {
+        CrowdQuantity::WallMeanNormalForce => {
             each(first, values, |k| faces.get(k).map_or(0.0, |of| of.mean_force));
         }
-        Quantity::WallPeakNormalForce => {
+        CrowdQuantity::WallPeakNormalForce => {
             each(first, values, |k| faces.get(k).map_or(0.0, |of| of.peak_force));
         }
-        Quantity::Active => each(first, values, |i| world.is_present(BodyId::from(i)).into()),
-        Quantity::AgentContacts => each(first, values, |i| report.bodies[i].agent_contacts.into()),
-        Quantity::WallContacts => each(first, values, |i| report.bodies[i].wall_contacts.into()),
-        Quantity::ContactingAgents => {
+        CrowdQuantity::Active => each(first, values, |i| world.is_present(BodyId::from(i)).into()),
+        CrowdQuantity::AgentContacts => each(first, values, |i| report.bodies[i].agent_contacts.into()),
+        CrowdQuantity::WallContacts => each(first, values, |i| report.bodies[i].wall_contacts.into()),
+        CrowdQuantity::ContactingAgents => {
             each(first, values, |i| report.bodies[i].touching_bodies.into());
         }
-        Quantity::TotalAgentContacts => values.fill(report.agent_contacts.into()),
-        Quantity::TotalWallContacts => values.fill(report.wall_contacts.into()),
-        Quantity::CoincidentContacts => values.fill(report.coincident.len() as f64),
-        Quantity::LargestOverlap => values.fill(world.largest_overlap()),
+        CrowdQuantity::TotalAgentContacts => values.fill(report.agent_contacts.into()),
+        CrowdQuantity::TotalWallContacts => values.fill(report.wall_contacts.into()),
+        CrowdQuantity::CoincidentContacts => values.fill(report.coincident.len() as f64),
+        CrowdQuantity::LargestOverlap => values.fill(world.largest_overlap()),
         _ => return false,
     }
     true

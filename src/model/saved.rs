@@ -6,7 +6,7 @@ use super::packed::{Drive, Packed};
 use super::running::give_threads;
 use super::settings::Settings;
 use crate::engine::{BodyId, Exposure, FaceExposure, State, World, Wrench};
-use crate::quantities::{Quantity, shared};
+use crate::quantities::{CrowdQuantity, shared};
 use crate::setup::Setup;
 use lemons_core::plane::InPlane;
 use lemons_core::trial::Trial;
@@ -17,7 +17,7 @@ use std::collections::BTreeSet;
 
 /// The complete state of a crowd, without the location of its resources.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Saved {
+pub struct SavedCrowd {
     trial: String,
     fingerprint: u128,
     settings: Settings,
@@ -42,8 +42,8 @@ struct Running {
 }
 
 impl CrowdModel {
-    pub(super) fn saved(&self) -> Saved {
-        Saved {
+    pub(super) fn saved(&self) -> SavedCrowd {
+        SavedCrowd {
             trial: self.packed.trial.name.clone(),
             fingerprint: self.packed.fingerprint,
             settings: self.settings.clone(),
@@ -66,7 +66,7 @@ impl CrowdModel {
     }
 
     /// Restores a state. After an error nothing has changed.
-    pub(super) fn go_back(&mut self, saved: &Saved) -> Answer<()> {
+    pub(super) fn go_back(&mut self, saved: &SavedCrowd) -> Answer<()> {
         let packed = if saved.trial == self.packed.trial.name {
             self.packed.clone()
         } else {
@@ -82,7 +82,7 @@ impl CrowdModel {
         let Some(mut trial) = settings.applied_to(&packed.trial) else {
             return damaged("a setting of an unknown variable");
         };
-        let good = |(quantity, value): (Quantity, f64)| quantity.row().domain.check(value).is_ok();
+        let good = |(quantity, value): (CrowdQuantity, f64)| quantity.row().domain.check(value).is_ok();
         if !settings.elements.iter().all(|((quantity, _), value)| good((*quantity, *value))) {
             return damaged("a setting out of its domain");
         }

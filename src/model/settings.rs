@@ -1,7 +1,7 @@
 //! Values that importers have set, and the mechanical step that follows from them.
 
 use crate::engine::Wrench;
-use crate::quantities::{MOST_MECHANICAL_STEPS, Quantity, field};
+use crate::quantities::{CrowdQuantity, MOST_MECHANICAL_STEPS, field};
 use crate::setup::{FINEST_ACCURACY, Setup};
 use lemons_core::trial::Trial;
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Settings {
     /// Elements of quantities: of the documents, and who is there at the start.
-    pub elements: BTreeMap<(Quantity, usize), f64>,
+    pub elements: BTreeMap<(CrowdQuantity, usize), f64>,
     pub play_drive: bool,
     pub threads: i32,
     /// A communication step with more mechanical steps is refused.
@@ -45,7 +45,7 @@ impl Settings {
     /// tolerance needs.
     pub fn choose_step(&self, trial: &mut Trial, packed: &Trial) {
         let Some(tolerance) = self.tolerance else { return };
-        let set = self.elements.get(&(Quantity::TimeStepMechanical, 0));
+        let set = self.elements.get(&(CrowdQuantity::TimeStepMechanical, 0));
         let longest = set.copied().unwrap_or(packed.parameters.time_step_mechanical);
         let needed = match by_tolerance(trial, tolerance, self.most_steps) {
             Ok(step) => step,
@@ -60,7 +60,7 @@ impl Settings {
     pub fn applied_to(&self, packed: &Trial) -> Option<Trial> {
         let mut trial = packed.clone();
         for (&(quantity, element), &value) in &self.elements {
-            if quantity == Quantity::Active {
+            if quantity == CrowdQuantity::Active {
                 trial.agents.get(element)?;
             } else {
                 *field(&mut trial, quantity, element)? = value;

@@ -4,7 +4,7 @@
 //! Missing are lists that are kept valid, contacts that begin or end within a step, corners of walls, exposures, blocks,
 //! threads and free bodies. The step is symplectic, of first order.
 
-use crate::engine::{BodyId, Disk, DiskId, FreeFlight, PairLaw, Rotation, Vec2, World, Wrench, vec2};
+use crate::engine::{BodyId, ContactDisk, DiskId, FreeFlight, PairLaw, Rotation, Vec2, World, Wrench, vec2};
 use lemons_core::plane::{InPlane, further, rotation};
 
 /// The crowd of a world at one time.
@@ -177,7 +177,7 @@ impl BareCrowd {
 }
 
 /// Returns the pairs of disks that are nearer than a margin \[m\], by their indices, sorted.
-fn near(centres: &[Vec2], disks: &[Disk], margin: f64) -> Vec<[usize; 2]> {
+fn near(centres: &[Vec2], disks: &[ContactDisk], margin: f64) -> Vec<[usize; 2]> {
     let mut by_x: Vec<usize> = (0..centres.len()).collect();
     by_x.sort_by(|&a, &b| centres[a].x.total_cmp(&centres[b].x));
     let widest = disks.iter().map(|disk| disk.radius).fold(0.0, f64::max);

@@ -4,7 +4,8 @@ use super::Setup;
 use super::advice::of_attribute;
 use crate::engine::{Vec2, vec2};
 use lemons_core::trial::{
-    Agent, AgentDynamics, Contact, DriveTable, EVER, FileNames, Material, Problem, Push, Rule, quoted,
+    Agent, AgentDynamics, ContactCoefficients, DriveTable, DriveValues, EVER, FileNames, Material, Problem,
+    Rule, quoted,
 };
 
 /// The rows of `usual.txt`: for each attribute its usual values, and why others are not.
@@ -66,9 +67,10 @@ impl Usual {
             let all = setup.agents.iter().zip(&setup.dynamics);
             all.map(|(agent, dynamics)| of(agent, dynamics, format!("agent {}", quoted(&agent.id)))).collect()
         };
-        let contacts = |of: fn(&Contact) -> f64| {
-            let named =
-                |Contact { id1, id2, .. }: &Contact| format!("materials {} and {}", quoted(id1), quoted(id2));
+        let contacts = |of: fn(&ContactCoefficients) -> f64| {
+            let named = |ContactCoefficients { id1, id2, .. }: &ContactCoefficients| {
+                format!("materials {} and {}", quoted(id1), quoted(id2))
+            };
             setup.materials.binary.iter().map(|contact| value(of(contact), named(contact))).collect()
         };
         let materials = |of: fn(&Material) -> f64| {
@@ -177,7 +179,7 @@ impl Setup<'_> {
 pub fn doubts_of_drive(drive: &DriveTable) -> Vec<String> {
     let mut ids: Vec<&str> = drive.agents().collect();
     ids.sort_unstable();
-    let agents: Vec<(String, &[(f64, Push)])> =
+    let agents: Vec<(String, &[(f64, DriveValues)])> =
         ids.into_iter().filter_map(|id| Some((format!("agent {}", quoted(id)), drive.rows(id)?))).collect();
     let pushes = || agents.iter().flat_map(|(of, rows)| rows.iter().map(move |(_, push)| (of.clone(), push)));
     let changes = agents.iter().flat_map(|(of, rows)| {

@@ -7,7 +7,7 @@ use crate::engine::{
 };
 use lemons_core::plane::{InPlane, Motion, Pose, Twist};
 use lemons_core::trial::{
-    Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, Shape, Wall,
+    Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, ShapeElement, Wall,
     WallInteraction, pairs_that_touch, quoted, stiffness,
 };
 use std::collections::{HashMap, HashSet};
@@ -67,7 +67,7 @@ impl Setup<'_> {
             materials.iter().enumerate().map(|(place, material)| (&*material.id, place)).collect();
         // A Trial uses only known materials; that was checked when it was read.
         let place = |id: &str| places.get(id).copied().unwrap_or(0);
-        let disk = |shape: &Shape| DiskSpec {
+        let disk = |shape: &ShapeElement| DiskSpec {
             radius: shape.radius,
             position: shape.position,
             material: place(&shape.material_id),

@@ -6,7 +6,7 @@ use crowd_mechanics::scenes::*;
 #[test]
 fn who_ends_at_rest_has_moved() {
     // Pushed and braked by one ramp: 0.83 m further if nobody stands in the way.
-    let braked = |shortlisting: Shortlisting, people: &[Placed]| {
+    let braked = |shortlisting: Shortlisting, people: &[PlacedBody]| {
         let mut world = world(people, &[], ELASTIC, 1e-5);
         world.shortlisting = shortlisting;
         world.drive[0].force = vec2(1400.0, 0.0);

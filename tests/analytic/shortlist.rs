@@ -7,7 +7,7 @@ use crowd_mechanics::scenes::*;
 fn people_apart_need_no_mechanical_step() {
     let person =
         |k| pedestrian(70.0, 4.5).at(2.0 * f64::from(k % 10), 2.0 * f64::from(k / 10)).moving(1.0, 0.5);
-    let people: Vec<Placed> = (0..100).map(person).collect();
+    let people: Vec<PlacedBody> = (0..100).map(person).collect();
     let mut world = world(&people, &[&[(-5.0, -5.0), (30.0, -5.0)]], BODIES, 1e-5);
     world.advance(0.1).unwrap();
     assert_eq!((world.work().steps, world.work().shortlisted), (0, 100));
@@ -15,7 +15,7 @@ fn people_apart_need_no_mechanical_step() {
 
 /// Advances a scene with and without free bodies, which is the same but for rounding; a touch that is missed would show.
 /// Returns the work with free bodies.
-fn compared(people: &[Placed], walls: &[&[(f64, f64)]], duration: f64) -> Work {
+fn compared(people: &[PlacedBody], walls: &[&[(f64, f64)]], duration: f64) -> Work {
     let [with, without] = [Shortlisting::On, Shortlisting::Off].map(|shortlisting| {
         let mut world = world(people, walls, BODIES, 2e-5);
         world.shortlisting = shortlisting;

@@ -13,7 +13,7 @@ fn crowd(people: usize) -> World {
         }
         person.at(12.0 + 0.9 * ((k - half) % 20) as f64, 0.9 * ((k - half) / 20) as f64)
     };
-    let crowd: Vec<Placed> = (0..people).map(person).collect();
+    let crowd: Vec<PlacedBody> = (0..people).map(person).collect();
     let mut world = world(&crowd, &[&[(-1.0, -0.5), (31.0, -0.5)]], BODIES, 2e-4);
     world.drive[0] = Wrench { force: vec2(300.0, 100.0), torque: 1.0 };
     // He comes through a row of people of two blocks who stand free.

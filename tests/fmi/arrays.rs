@@ -2,7 +2,7 @@
 
 use crate::fmu::*;
 use crowd_mechanics::model_description::model_description;
-use crowd_mechanics::{pack::Format, setup};
+use crowd_mechanics::{pack::FmuFormat, setup};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -228,7 +228,7 @@ fn values_within_a_step_are_those_of_short_steps_and_change_nothing() {
 /// A strict importer reads only what is continuous and marked.
 #[test]
 fn what_is_marked_can_be_read_within_a_step() {
-    let xml = model_description(&setup::read(&paper()).unwrap().0, Format::Fmi3);
+    let xml = model_description(&setup::read(&paper()).unwrap().0, FmuFormat::Fmi3);
     let variables = xml.split('<').filter(|tag| tag.contains(" valueReference=\"") && tag.contains(" name="));
     let (mut marked, mut outputs) = (Vec::new(), Vec::new());
     for tag in variables {

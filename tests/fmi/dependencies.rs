@@ -2,8 +2,8 @@
 
 use crate::fmu::*;
 use crowd_mechanics::model::CrowdModel;
-use crowd_mechanics::pack::Format;
-use crowd_mechanics::quantities::Quantity;
+use crowd_mechanics::pack::FmuFormat;
+use crowd_mechanics::quantities::CrowdQuantity;
 use crowd_mechanics::{model_description::model_description, setup};
 use lemons_core::plane::vec2;
 use lemons_core::trial::{DriveTable, Trial};
@@ -58,7 +58,7 @@ fn long_lists_are_left_out_in_fmi_2() {
         many.dynamics.extend(few.dynamics.iter().cloned());
     }
     for (trial, listed) in [(few, true), (many, false)] {
-        let xml = model_description(&trial, Format::default());
+        let xml = model_description(&trial, FmuFormat::default());
         let initial = xml.split("<InitialUnknowns>").nth(1).unwrap();
         assert_eq!(initial.matches("dependencies=").count() > 0, listed);
         // No output depends on an input.
@@ -79,7 +79,7 @@ fn what_is_computed_depends_on_the_trial() {
         crowd.must(crowd.set_text("Trial", "Trial_push"));
         assert_eq!(crowd.get("agent[0].NormalForce"), 0.0);
     }
-    let depends = |of: &Quantity| of.row().initially_on.contains(&Quantity::Trial);
-    use Quantity::*;
+    let depends = |of: &CrowdQuantity| of.row().initially_on.contains(&CrowdQuantity::Trial);
+    use CrowdQuantity::*;
     assert!([NormalForce, WallPeakNormalForce, AgentContacts, LargestOverlap, AgentId].iter().all(depends));
 }

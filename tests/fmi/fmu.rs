@@ -4,13 +4,15 @@
 
 use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::pack::{Binary, Package, host_platform};
-use crowd_mechanics::quantities::{Kind, QUANTITIES, Role, SIZES, guid, of_materials, scalars, sizes};
+use crowd_mechanics::quantities::{
+    QUANTITIES, Role, SIZES, VariableType, guid, of_materials, scalars, sizes,
+};
 use crowd_mechanics::setup;
 use lemons_core::trial::DriveTable;
 pub use lemons_fmi::Status::{self, Discard as DISCARD, Error as ERROR, Ok as OK, Warning as WARNING};
 pub use lemons_fmi::testing::Version::{self, V2, V3};
-pub use lemons_fmi::testing::instance::{Arguments, Functions};
-pub use lemons_fmi::testing::{Instance, Message};
+pub use lemons_fmi::testing::instance::{Arguments, VersionFunctions};
+pub use lemons_fmi::testing::{Message, TestInstance};
 use lemons_fmi::variables::Dimension;
 use lemons_fmi::{Model as _, instantiation_token, reference};
 pub use lemons_testing::{copy_tree, trial_push as paper};
@@ -33,8 +35,8 @@ pub const AGENTS: usize = 5;
 
 /// A loaded library.
 pub struct Fmu {
-    v2: Functions,
-    v3: Functions,
+    v2: VersionFunctions,
+    v3: VersionFunctions,
     _library: Library,
 }
 
@@ -83,7 +85,11 @@ impl Fmu {
     pub fn load(path: &Path) -> Fmu {
         // SAFETY: the library that was built.
         let library = unsafe { Library::new(path) }.unwrap_or_else(|error| panic!("{path:?}: {error}"));
-        Fmu { v2: Functions::of(&library, V2), v3: Functions::of(&library, V3), _library: library }
+        Fmu {
+            v2: VersionFunctions::of(&library, V2),
+            v3: VersionFunctions::of(&library, V3),
+            _library: library,
+        }
     }
 
     /// One for all tests: the binary of a packed FMU.
@@ -93,7 +99,7 @@ impl Fmu {
         FMU.get_or_init(|| Fmu::load(&packed().join(binary)))
     }
 
-    pub fn functions(&self, version: Version) -> &Functions {
+    pub fn functions(&self, version: Version) -> &VersionFunctions {
         if version == V2 { &self.v2 } else { &self.v3 }
     }
 }
@@ -188,12 +194,12 @@ impl Model {
     pub fn of(trial: &Path, version: Version) -> Model {
         let (trial, _) = setup::read(trial).expect("a good Trial");
         let rows = scalars(&trial);
-        let reals = rows.iter().filter(|row| matches!(row.variable.kind, Kind::Real(_)));
+        let reals = rows.iter().filter(|row| matches!(row.variable.kind, VariableType::Real(_)));
         let reals: Vec<String> = reals.map(|row| row.name.clone()).collect();
         let (mut places, mut all, mut starts) = (HashMap::new(), [Vec::new(), Vec::new()], HashMap::new());
-        let mut add = |kind: Kind, reference: u32, length: usize| match kind {
-            Kind::Real(_) => all[0].push((reference, length)),
-            Kind::Integer => all[1].push((reference, length)),
+        let mut add = |kind: VariableType, reference: u32, length: usize| match kind {
+            VariableType::Real(_) => all[0].push((reference, length)),
+            VariableType::Integer => all[1].push((reference, length)),
             _ => {}
         };
         if version == V2 {
@@ -257,16 +263,16 @@ impl Model {
 
 /// An instance of the crowd.
 pub struct Crowd {
-    instance: Instance,
+    instance: TestInstance,
     pub model: &'static Model,
     /// Arrays that were set when nothing could be read.
     set: RefCell<HashMap<u32, Vec<f64>>>,
 }
 
 impl Deref for Crowd {
-    type Target = Instance;
+    type Target = TestInstance;
 
-    fn deref(&self) -> &Instance {
+    fn deref(&self) -> &TestInstance {
         &self.instance
     }
 }
@@ -282,7 +288,7 @@ pub fn instantiate(fmu: &Fmu, version: Version, token: &str, location: &str) -> 
 
 impl Crowd {
     pub fn with(fmu: &Fmu, version: Version, arguments: &Arguments<'_>) -> Result<Crowd, Vec<Message>> {
-        let instance = Instance::new(fmu.functions(version), arguments)?;
+        let instance = TestInstance::new(fmu.functions(version), arguments)?;
         Ok(Crowd { instance, model: Model::paper(version), set: RefCell::default() })
     }
 

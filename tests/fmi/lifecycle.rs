@@ -71,7 +71,7 @@ const COMMON: [(&str, &str, &str, Call); 19] = [
     ("fmi2SetDebugLogging", "fmi3SetDebugLogging", "x x x x x x", |c| c.debug_logging(false, &[])),
     ("fmi2ExitInitializationMode", "fmi3ExitInitializationMode", "- - x - - -", |c| c.exit()),
     ("fmi2Terminate", "fmi3Terminate", "- - - x - -", |c| c.terminate()),
-    ("fmi2Reset", "fmi3Reset", "x x x x x x", |c| Instance::reset(c)),
+    ("fmi2Reset", "fmi3Reset", "x x x x x x", |c| TestInstance::reset(c)),
     ("fmi2GetReal", "fmi3GetFloat64", "3 x x x x x", |c| c.try_get("agent[1].Mass").0),
     ("fmi2GetInteger", "fmi3GetInt32", "3 x x x x x", |c| {
         c.get_integer(&[c.model.reference("Threads")], 1).0

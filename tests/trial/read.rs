@@ -3,7 +3,7 @@
 use crate::good::{INTERACTIONS, edited, good, moved, put};
 use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::setup;
-use lemons_core::files::source::Disk;
+use lemons_core::files::source::LocalFiles;
 use lemons_core::trial::*;
 use lemons_testing::trial_push as paper;
 use std::fs;
@@ -60,7 +60,7 @@ fn other_names_and_absolute_directories() {
     fs::create_dir(elsewhere.path().join("here")).unwrap();
     put(elsewhere.path(), &[("here/P.xml", parameters), ("D.xml", good()[4].1.clone())]);
     let names = FileNames { parameters: "P.xml".into(), dynamics: "D.xml".into(), ..FileNames::default() };
-    let (trial, _) = setup::read_from(&Disk, &elsewhere.path().join("here"), &names).unwrap();
+    let (trial, _) = setup::read_from(&LocalFiles, &elsewhere.path().join("here"), &names).unwrap();
     assert_eq!(trial.name, "here");
 
     // The copy stands alone.

@@ -1,6 +1,6 @@
 //! `lemons connect`: FMUs -> an SSP.
 
-use crate::files::{self, Force};
+use crate::files::{self, ForceOption};
 use crate::pack::say_size;
 use crate::print::few;
 use anyhow::{Result, bail};
@@ -24,7 +24,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE.ssp")]
     output: PathBuf,
     #[command(flatten)]
-    _force: Force,
+    _force: ForceOption,
 }
 
 pub fn connect(arguments: &Arguments) -> Result<()> {

@@ -1,7 +1,7 @@
 //! `lemons decide`: a Trial and its people's wishes -> a Decision FMU.
 
 use crate::binary::DECISION;
-use crate::files::{self, Force};
+use crate::files::{self, ForceOption};
 use crate::pack::{Fmi, FmuArguments, Reference, say_size};
 use anyhow::{Context, Result, anyhow};
 use lemons_core::trial::DriveChoice;
@@ -35,7 +35,7 @@ pub struct Arguments {
     #[command(flatten)]
     reference: Reference,
     #[command(flatten)]
-    _force: Force,
+    _force: ForceOption,
 }
 
 pub fn decide(arguments: &Arguments) -> Result<()> {

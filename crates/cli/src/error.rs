@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 /// Options that make no sense together, which clap cannot see.
-pub use lemons_master::Error::Misused;
+pub use lemons_master::MasterError::Misused;
 
 /// A Trial has errors; they have been printed.
 #[derive(Debug, thiserror::Error)]

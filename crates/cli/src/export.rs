@@ -1,7 +1,7 @@
 //! `lemons export`: a run for the field's tools, and a Trial that goes on where it ended.
 
 use crate::error::Misused;
-use crate::files::{self, Force};
+use crate::files::{self, ForceOption};
 use crate::output::Output;
 use crate::record::{InMemory, area, expect_table, recorded, trial_of};
 use crate::trajectories::ReadingArguments;
@@ -49,7 +49,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub reading: ReadingArguments,
     #[command(flatten)]
-    _force: Force,
+    _force: ForceOption,
     /// The run itself; the source is what messages call it.
     #[arg(skip)]
     pub memory: Option<Arc<InMemory>>,
@@ -87,7 +87,7 @@ enum Runs {
 
 /// What is written: a room, or a run.
 enum What {
-    Room(drawing::Format),
+    Room(drawing::DrawingFormat),
     Run(Runs),
 }
 
@@ -100,9 +100,9 @@ impl Format {
             Format::Chaos => What::Run(Runs::Chaos),
             Format::Series => What::Run(Runs::Series),
             Format::Trial => What::Run(Runs::Trial),
-            Format::Geojson => What::Room(drawing::Format::GeoJson),
-            Format::Wkt => What::Room(drawing::Format::Wkt),
-            Format::Dxf => What::Room(drawing::Format::Dxf),
+            Format::Geojson => What::Room(drawing::DrawingFormat::GeoJson),
+            Format::Wkt => What::Room(drawing::DrawingFormat::Wkt),
+            Format::Dxf => What::Room(drawing::DrawingFormat::Dxf),
         }
     }
 }
@@ -233,7 +233,7 @@ impl Arguments {
     }
 
     /// Writes walls and exits of a Trial as a drawing.
-    fn write_room(&self, format: drawing::Format) -> Result<()> {
+    fn write_room(&self, format: drawing::DrawingFormat) -> Result<()> {
         let Arguments { source, out, memory, .. } = self;
         if self.every != 1 || !self.more.is_empty() || self.area.is_some() {
             bail!(Misused("--every, --more and --area are for runs, not for the room of a Trial".into()));
@@ -249,19 +249,20 @@ impl Arguments {
                 Plan::of(&trial, &config).with_context(|| given.join(DECISION_FILE).display().to_string())?;
             let leaving = plan.targets.into_iter().filter(|target| !target.stay);
             exits = leaving
-                .map(|target| drawing::Place {
+                .map(|target| drawing::NamedPlace {
                     name: target.name,
                     corners: target.corners.into_iter().map(Into::into).collect(),
                 })
                 .collect();
         }
-        let room = drawing::Plan::of_geometry(&trial.geometry, exits);
+        let room = drawing::FloorPlan::of_geometry(&trial.geometry, exits);
         let text = write_plan(&room, format).context("this format is not written")?;
         let mut file = Output::open(out)?;
         file.fill(|file| file.write_all(text.as_bytes()))?;
         file.persist()?;
         let (walls, exits) = (room.walls.len(), room.exits.len());
-        let left = if format == drawing::Format::Wkt && exits > 0 { "; exits are not in it" } else { "" };
+        let left =
+            if format == drawing::DrawingFormat::Wkt && exits > 0 { "; exits are not in it" } else { "" };
         let opens = trial.geometry.walls.iter().any(|wall| wall.open.is_some());
         let opens = if opens { "; walls that open are as closed ones in it" } else { "" };
         Ok(say!("{}: {walls} walls, {exits} exits{left}{opens}", out.display())?)

@@ -12,7 +12,7 @@ use crate::print;
 use anyhow::{Context, Result, bail};
 use clap::{ArgMatches, Command};
 use crowd_mechanics::pack::Binary;
-use lemons_core::files::{Mark, Staged, mark_of, target_of};
+use lemons_core::files::{FileStamp, Staged, mark_of, target_of};
 use lemons_core::trial::Trial;
 use lemons_decision::DECISION_FILE;
 use lemons_results::series_in;
@@ -60,7 +60,7 @@ const DEFAULT_NAMES: [(&str, &str, &str); 7] = [
 
 /// Option of the commands that write.
 #[derive(clap::Args, Clone)]
-pub struct Force {
+pub struct ForceOption {
     /// Replace existing files
     #[arg(long)]
     pub force: bool,
@@ -71,7 +71,7 @@ struct Target {
     /// Path as the user calls it.
     path: PathBuf,
     place: PathBuf,
-    before: Option<Mark>,
+    before: Option<FileStamp>,
 }
 
 #[derive(Default)]
@@ -316,7 +316,7 @@ impl Files {
     }
 
     /// What was in the place of a file when it was claimed.
-    fn before(&self, path: &Path) -> Option<Option<Mark>> {
+    fn before(&self, path: &Path) -> Option<Option<FileStamp>> {
         self.targets.iter().find(|target| target.path == path).map(|target| target.before)
     }
 

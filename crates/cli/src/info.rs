@@ -4,7 +4,7 @@ use crate::print;
 use anyhow::Result;
 use lemons_fmi::Version;
 use lemons_master::Fmu;
-use lemons_master::ssp::{Kind, Single, Type, Variable};
+use lemons_master::ssp::{Causality, FmiType, FmuVariable, Single};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -24,7 +24,7 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     let mut out = print::out();
     let count = |kind| {
         let variables = description.variables.iter().filter(|variable| variable.kind == Some(kind));
-        variables.map(Variable::count).sum::<usize>()
+        variables.map(FmuVariable::count).sum::<usize>()
     };
     writeln!(out, "{}  {}", description.model_name, description.version.as_deref().unwrap_or(""))?;
     match description.fmi {
@@ -48,9 +48,9 @@ pub fn info(arguments: &Arguments) -> Result<()> {
         out,
         "{} {} inputs, {} outputs, {} parameters\n",
         if description.fmi == Version::V2 { "variables" } else { "values   " },
-        count(Kind::Input),
-        count(Kind::Output),
-        count(Kind::Parameter)
+        count(Causality::Input),
+        count(Causality::Output),
+        count(Causality::Parameter)
     )?;
     let wanted = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only));
     let rows = description.singles().filter(|(name, single)| wanted(name) || wanted(&single.variable.name));
@@ -73,14 +73,14 @@ pub fn info(arguments: &Arguments) -> Result<()> {
 fn row(name: String, single: Single) -> [String; 4] {
     let (variable, start) = (single.variable, single.variable.start_of(single.element));
     let unit = match variable.of.class() {
-        Type::Real => variable.unit.clone().unwrap_or_default(),
+        FmiType::Real => variable.unit.clone().unwrap_or_default(),
         class => class.to_string(),
     };
     let causality = match variable.kind {
-        Some(Kind::Input) => "input",
-        Some(Kind::Output) => "output",
-        Some(Kind::Parameter) => "param",
-        Some(Kind::StructuralParameter) => "size",
+        Some(Causality::Input) => "input",
+        Some(Causality::Output) => "output",
+        Some(Causality::Parameter) => "param",
+        Some(Causality::StructuralParameter) => "size",
         _ => "other",
     };
     [name, causality.into(), unit, start.unwrap_or_default().to_owned()]

@@ -11,7 +11,7 @@ use crate::print;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::{Binary, THIRD_PARTY};
 use lemons_core::files::input;
-use server::{Answer, Request, serve};
+use server::{HttpRequest, HttpResponse, serve};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -55,7 +55,7 @@ pub fn lab(arguments: &Arguments) -> Result<()> {
     {
         note!("no browser could be opened: {error}");
     }
-    let answered = |request: &Request| answer(request, address, &libraries);
+    let answered = |request: &HttpRequest| answer(request, address, &libraries);
     serve(&listener, || !interrupt.pressed(), answered).context("the lab takes no more connections")
 }
 
@@ -86,7 +86,7 @@ fn libraries() -> Libraries {
     found.into_iter().filter_map(place).chain(licences).collect()
 }
 
-fn answer(request: &Request, address: SocketAddr, libraries: &Libraries) -> Answer {
+fn answer(request: &HttpRequest, address: SocketAddr, libraries: &Libraries) -> HttpResponse {
     let here = [address.to_string(), format!("localhost:{}", address.port())];
     let (path, query) = request.path.split_once('?').unwrap_or((request.path, ""));
     let path = if path == "/" { "index.html" } else { path.trim_start_matches('/') };
@@ -115,7 +115,7 @@ fn answer(request: &Request, address: SocketAddr, libraries: &Libraries) -> Answ
          Referrer-Policy: no-referrer\r\nCache-Control: no-cache\r\n",
         kind_of(kind)
     );
-    Answer { status, head, content }
+    HttpResponse { status, head, content }
 }
 
 fn kind_of(extension: &str) -> &'static str {

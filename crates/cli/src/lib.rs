@@ -129,8 +129,8 @@ pub fn main() -> ExitCode {
         note!("lemons: {}", full_message(&error));
     }
     ExitCode::from(match error.downcast_ref() {
-        Some(lemons_master::Error::Misused(_)) => 2,
-        Some(lemons_master::Error::Broken { .. }) => 3,
+        Some(lemons_master::MasterError::Misused(_)) => 2,
+        Some(lemons_master::MasterError::Broken { .. }) => 3,
         _ if error.is::<TrialHasErrors>() => 3,
         _ if error.is::<Interrupted>() => EXIT_CODE,
         _ => 1,

@@ -8,11 +8,11 @@ mod tables;
 mod text;
 
 use crate::error::{Misused, and_then};
-use crate::files::{self, Force};
+use crate::files::{self, ForceOption};
 use crate::interrupt::Interrupt;
 use crate::output::Output;
-use crate::pictures::plot::Format;
-use crate::pictures::source::Source;
+use crate::pictures::plot::PictureFormat;
+use crate::pictures::source::RunSource;
 use crate::print;
 use crate::record::{area, area_of_heads};
 use crate::run::until;
@@ -21,15 +21,15 @@ use anyhow::{Context, Result, bail};
 use crowd_mechanics::quantities::segments;
 use lemons_core::trial::{Rule, Trial};
 use lemons_decision::Plan;
-use lemons_results::measure::{Line, MeasuringArea, Room};
+use lemons_results::measure::{CountingLine, MeasuringArea, VoronoiRoom};
 use lemons_results::{LEANING, Record};
 use lemons_sim::Until;
-use options::{Named, line, measuring_area, name_all};
+use options::{Labelled, line, measuring_area, name_all};
 use std::collections::BTreeSet;
 use std::fs::create_dir_all;
 use std::io::Write;
 use std::path::PathBuf;
-use summary::Summary;
+use summary::RunSummary;
 
 /// Names of people that are said.
 const MOST_NAMES: usize = 20;
@@ -37,11 +37,11 @@ const MOST_NAMES: usize = 20;
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
-    pub source: Source,
+    pub source: RunSource,
     /// Count who crosses this line, in metres; can be given several times. Stand at X1,Y1 and look at X2,Y2:
     /// people cross to your right or to your left. Default NAME: 1, 2, …
     #[arg(long = "line", value_name = "[NAME=]X1,Y1,X2,Y2", value_parser = line, allow_hyphen_values = true)]
-    lines: Vec<Named<Line>>,
+    lines: Vec<Labelled<CountingLine>>,
     /// Width for the specific flow, in metres. Default: the length of the line
     #[arg(long, value_name = "METRES", requires = "lines", value_parser = positive)]
     width: Option<f64>,
@@ -51,7 +51,7 @@ pub struct Arguments {
     /// Measure density and speed in this area, in metres; can be given several times. Four numbers are
     /// the lower left and the upper right corner of a rectangle; six or more the corners of a polygon
     #[arg(long = "area", value_name = "[NAME=]X0,Y0,X1,Y1,…", value_parser = measuring_area, allow_hyphen_values = true)]
-    areas: Vec<Named<MeasuringArea>>,
+    areas: Vec<Labelled<MeasuringArea>>,
     /// Where people can be, which bounds Voronoi cells: a file with POLYGON ((x y, …), (hole), …) in
     /// metres. Default: what the walls of the Trial or FMU, or of --geometry, enclose
     #[arg(long, value_name = "FILE.wkt", requires = "areas")]
@@ -87,7 +87,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.png, .svg or .pdf")]
     plot: Option<PathBuf>,
     #[command(flatten)]
-    _force: Force,
+    _force: ForceOption,
 }
 
 /// \[N/m\] Young modulus above which bodies are stiffer than chests (`human_soft` has 2.9e4).
@@ -96,7 +96,7 @@ const STIFF: f64 = 1e5;
 const MOST_WINDOWS: f64 = 1e6;
 
 pub fn measure(mut arguments: Arguments) -> Result<()> {
-    let Measured { summary, .. } = measured(&mut arguments)?;
+    let MeasuredRun { summary, .. } = measured(&mut arguments)?;
     text::print(&summary)?;
     for path in arguments.output.iter().chain(&arguments.plot) {
         say!("{:<18} {}", "written", path.display())?;
@@ -105,8 +105,8 @@ pub fn measure(mut arguments: Arguments) -> Result<()> {
 }
 
 /// What was measured.
-pub struct Measured {
-    summary: Summary,
+pub struct MeasuredRun {
+    summary: RunSummary,
     /// The same as JSON.
     pub json: String,
     /// CSV, by the names of the tables.
@@ -114,11 +114,11 @@ pub struct Measured {
 }
 
 /// Measures, and writes the files that are asked for.
-pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
+pub fn measured(arguments: &mut Arguments) -> Result<MeasuredRun> {
     arguments.check()?;
     let arguments = &*arguments;
     let Arguments { source, output, .. } = arguments;
-    let format = arguments.plot.as_deref().map(Format::of).transpose()?;
+    let format = arguments.plot.as_deref().map(PictureFormat::of).transpose()?;
     let interrupt = Interrupt::watch();
     let picture = arguments.plot.as_ref().zip(format);
     arguments.summary.iter().chain(&arguments.plot).try_for_each(|path| files::claim_and_try(path))?;
@@ -132,7 +132,7 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
     let room = if has_areas { arguments.room(&record, trial.as_ref())? } else { None };
     let pieces: Vec<_> = trial.iter().flat_map(segments).collect();
     let mut summary = pass::pass(arguments, &record, room.as_ref(), &pieces, &interrupt)?;
-    let Summary { from, until, .. } = summary;
+    let RunSummary { from, until, .. } = summary;
     if !arguments.lines.is_empty() && (until - from) / arguments.window > MOST_WINDOWS {
         bail!(Misused(format!("--window: {} s makes more than a million windows", arguments.window)));
     }
@@ -169,7 +169,7 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
     });
     let written: Vec<Output> = written.collect::<Result<_>>()?;
     written.into_iter().map(Output::persist).fold(Ok(()), and_then)?;
-    Ok(Measured { summary, json, tables })
+    Ok(MeasuredRun { summary, json, tables })
 }
 
 impl Arguments {
@@ -210,7 +210,7 @@ impl Arguments {
     }
 
     /// Returns where people can be; `None` if no walls or polygon say it of measured people.
-    fn room(&self, record: &Record, trial: Option<&Trial>) -> Result<Option<Room>> {
+    fn room(&self, record: &Record, trial: Option<&Trial>) -> Result<Option<VoronoiRoom>> {
         let walls = trial.map_or(&[][..], |trial| &trial.geometry.walls);
         let given = ("--walkable", self.walkable.as_deref());
         let area = if record.trajectories().is_some() {
@@ -231,14 +231,14 @@ impl Arguments {
             // Here --area is something else.
             note!("{}", line.replace("--area", "--walkable"));
         }
-        let room = Room::of(&area.polygon);
+        let room = VoronoiRoom::of(&area.polygon);
         leaning(record, &room)?.iter().for_each(|line| note!("{line}"));
         Ok(Some(room))
     }
 }
 
 /// Says who is outside of a room, and how far.
-fn leaning(record: &Record, room: &Room) -> Result<Option<String>> {
+fn leaning(record: &Record, room: &VoronoiRoom) -> Result<Option<String>> {
     let (mut positions, mut farthest) = (0_usize, 0.0_f64);
     let mut who = BTreeSet::new();
     record.each(|_, frame| {

@@ -1,17 +1,17 @@
 //! `lemons pack`: Trials -> FMU.
 
 use crate::binary::{CROWD, Library};
-use crate::files::{self, Force};
+use crate::files::{self, ForceOption};
 use crate::values::{duration, positive};
 use crate::version::BUILD;
 use anyhow::{Context, Result};
 use clap::builder::PossibleValuesParser;
-use crowd_mechanics::pack::{Binary, Format, Naming, platforms};
+use crowd_mechanics::pack::{Binary, FmuFormat, Naming, platforms};
 use lemons_core::files::Staged;
 use lemons_core::trial::{DriveChoice, Trial};
 use lemons_decision::DECISION_FILE;
 use lemons_master::{Experiment, PlanChoice, TrialInput, add_reference, binaries_beside};
-use lemons_picture::{Fill, Scene, Style, png, svg};
+use lemons_picture::{Fill, PictureScene, Style, png, svg};
 use lemons_sim::Documents;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -35,7 +35,7 @@ pub struct Arguments {
     #[command(flatten)]
     reference: Reference,
     #[command(flatten)]
-    _force: Force,
+    _force: ForceOption,
 }
 
 /// Which version of FMI.
@@ -47,8 +47,8 @@ pub struct Fmi {
 }
 
 impl Fmi {
-    pub fn format(&self, naming: Naming) -> Format {
-        if self.version == "3" { Format::Fmi3 } else { Format::Fmi2(naming) }
+    pub fn format(&self, naming: Naming) -> FmuFormat {
+        if self.version == "3" { FmuFormat::Fmi3 } else { FmuFormat::Fmi2(naming) }
     }
 }
 
@@ -157,7 +157,7 @@ pub fn say_size(output: &Path) -> Result<()> {
 pub fn write_fmu(
     trials: &[TrialInput],
     binaries: Vec<Binary>,
-    format: Format,
+    format: FmuFormat,
     output: &Path,
     reference: Option<&Reference>,
 ) -> Result<Vec<String>> {
@@ -173,5 +173,5 @@ pub fn write_fmu(
 /// `model.png`; a Trial that cannot be drawn has none.
 fn picture(trial: &Trial) -> Option<Vec<u8>> {
     let style = Style { width: 640.0, fill: Fill::BodyArea, ..Style::default() };
-    png(&svg(&Scene::at_start(trial), &style), 640).ok()
+    png(&svg(&PictureScene::at_start(trial), &style), 640).ok()
 }

@@ -15,7 +15,7 @@ use crate::error::TrialHasErrors;
 use crate::values::within;
 use anyhow::Result;
 use lemons_core::trial::Problems;
-use lemons_people::{Measure, Person, Sex};
+use lemons_people::{BodyMeasure, Person, Sex};
 
 /// A parser of a number of a scenario; `unit` follows its range in the error.
 fn ranged(key: &str, unit: &str) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + use<> {
@@ -24,10 +24,10 @@ fn ranged(key: &str, unit: &str) -> impl Fn(&str) -> Result<f64, String> + Clone
 }
 
 /// A parser of a measure: breadth and depth in cm, the others in m and kg.
-fn measure(of: Measure) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
+fn measure(of: BodyMeasure) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
     let (scale, unit) = match of {
-        Measure::Breadth | Measure::Depth => (100.0, "cm"),
-        Measure::Stature | Measure::Mass => (1.0, of.unit()),
+        BodyMeasure::Breadth | BodyMeasure::Depth => (100.0, "cm"),
+        BodyMeasure::Stature | BodyMeasure::Mass => (1.0, of.unit()),
     };
     let [low, high] = of.possible();
     within(scale * low, scale * high, &format!(" ({unit})"))

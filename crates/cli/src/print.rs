@@ -85,33 +85,33 @@ pub fn is_due(last: &mut Instant, now: Instant) -> bool {
 }
 
 /// Standard output, whose errors say that they are its own.
-pub enum Out {
+pub enum Console {
     StandardOutput(io::StdoutLock<'static>),
     StandardError,
     Caught,
 }
 
 /// Returns where more than a line is written.
-pub fn out() -> Out {
+pub fn out() -> Console {
     if is_caught() {
-        Out::Caught
+        Console::Caught
     } else if TO_STANDARD_ERROR.load(Ordering::Relaxed) {
-        Out::StandardError
+        Console::StandardError
     } else {
-        Out::StandardOutput(io::stdout().lock())
+        Console::StandardOutput(io::stdout().lock())
     }
 }
 
-impl Write for Out {
+impl Write for Console {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
-            Out::StandardOutput(out) => out.write(bytes).map_err(own),
+            Console::StandardOutput(out) => out.write(bytes).map_err(own),
             // As of everything that is said there: perhaps nobody hears it.
-            Out::StandardError => {
+            Console::StandardError => {
                 let _ = io::stderr().lock().write_all(bytes);
                 Ok(bytes.len())
             }
-            Out::Caught => {
+            Console::Caught => {
                 let text = String::from_utf8_lossy(bytes);
                 CAUGHT.with_borrow_mut(|caught| caught.iter_mut().for_each(|caught| caught.said += &text));
                 Ok(bytes.len())
@@ -121,8 +121,8 @@ impl Write for Out {
 
     fn flush(&mut self) -> io::Result<()> {
         match self {
-            Out::StandardOutput(out) => out.flush().map_err(own),
-            Out::StandardError | Out::Caught => Ok(()),
+            Console::StandardOutput(out) => out.flush().map_err(own),
+            Console::StandardError | Console::Caught => Ok(()),
         }
     }
 }

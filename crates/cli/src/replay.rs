@@ -2,7 +2,7 @@
 
 use crate::values::number;
 use anyhow::{Result, bail};
-use lemons_master::{Difference, Replay};
+use lemons_master::{Difference, ReplayedExperiment};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -19,7 +19,7 @@ pub struct Arguments {
 pub fn replay(arguments: &Arguments) -> Result<()> {
     let mut differ = 0;
     for replay in lemons_master::replay(&arguments.fmu, arguments.tolerance)? {
-        let Replay { name, clock, rows, width, different, first, largest, warnings } = replay;
+        let ReplayedExperiment { name, clock, rows, width, different, first, largest, warnings } = replay;
         warnings.iter().for_each(|warning| note!("{warning}"));
         let (start, until, step) = (clock.start, clock.until, clock.step);
         say!("experiment {name:?}: from {start:?} to {until:?} s, communication step {step:?} s")?;

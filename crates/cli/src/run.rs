@@ -9,19 +9,19 @@ mod recorder;
 mod trial;
 
 use crate::error::Misused;
-use crate::files::Force;
+use crate::files::ForceOption;
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::values::{duration, named, positive};
 use accuracy::run_for;
 use anyhow::{Result, bail};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-pub use job::{Job, simulate};
+pub use job::{RunJob, simulate};
 use lemons_core::trial::DriveChoice;
-use lemons_master::{PlanChoice, Settings};
-use lemons_results::Format;
+use lemons_master::{PlanChoice, RunSettings};
+use lemons_results::TableFormat;
 use lemons_sim::{Algorithm, Until};
-use outputs::Place;
-pub use recorder::Target;
+use outputs::TableFile;
+pub use recorder::RowTarget;
 use std::path::{Path, PathBuf};
 pub use trial::not_set;
 
@@ -68,8 +68,8 @@ pub struct Arguments {
     outputs: Option<PathBuf>,
     /// Format of the tables: csv; or parquet, for long runs: smaller, with units in the metadata. Default: by the
     /// extension of -o, else csv
-    #[arg(long, value_name = "FORMAT", hide_possible_values = true, value_parser = named(&[Format::Csv, Format::Parquet], Format::extension))]
-    format: Option<Format>,
+    #[arg(long, value_name = "FORMAT", hide_possible_values = true, value_parser = named(&[TableFormat::Csv, TableFormat::Parquet], TableFormat::extension))]
+    format: Option<TableFormat>,
     /// Write only every N-th communication point, beginning with the first. Default: 1. Mean and peak
     /// squeeze in a row are of all steps since the row before
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -82,7 +82,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.run")]
     resume: Option<PathBuf>,
     #[command(flatten)]
-    _force: Force,
+    _force: ForceOption,
 }
 
 pub fn until(text: &str) -> Result<Until, String> {
@@ -126,7 +126,7 @@ impl Inputs {
     }
 
     /// Returns the settings of a run with these inputs.
-    pub fn settings(&self, input: &Path) -> Settings {
+    pub fn settings(&self, input: &Path) -> RunSettings {
         let drive = match &self.drive {
             Some(path) => DriveChoice::File(path.clone()),
             None if self.no_drive => DriveChoice::None,
@@ -137,14 +137,14 @@ impl Inputs {
             None if self.no_plan => PlanChoice::None,
             None => PlanChoice::Own,
         };
-        Settings { step: self.step, drive, plan, ..Settings::of(input) }
+        RunSettings { step: self.step, drive, plan, ..RunSettings::of(input) }
     }
 }
 
 impl Arguments {
-    fn job(&self) -> Result<Job> {
+    fn job(&self) -> Result<RunJob> {
         let (rows, outputs) = places_of(self)?;
-        let settings = Settings {
+        let settings = RunSettings {
             threads: self.threads,
             until: self.until.map(Until::latest),
             every: self.every.map(u64::from),
@@ -154,7 +154,13 @@ impl Arguments {
             parameters: self.settings.clone(),
             ..self.inputs.settings(&self.input)
         };
-        Ok(Job { settings, rows: Target::Table(rows), outputs, state: self.state.clone(), until: self.until })
+        Ok(RunJob {
+            settings,
+            rows: RowTarget::Table(rows),
+            outputs,
+            state: self.state.clone(),
+            until: self.until,
+        })
     }
 }
 
@@ -190,10 +196,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Returns where the trajectories and the outputs go, and as what.
-fn places_of(arguments: &Arguments) -> Result<(Place, Option<Place>)> {
+fn places_of(arguments: &Arguments) -> Result<(TableFile, Option<TableFile>)> {
     let Arguments { output, outputs, format, .. } = arguments;
-    let common = format.or(output.as_deref().and_then(Format::of)).unwrap_or(Format::Csv);
-    let place = |path: &Path| match (Format::of(path), *format) {
+    let common = format.or(output.as_deref().and_then(TableFormat::of)).unwrap_or(TableFormat::Csv);
+    let place = |path: &Path| match (TableFormat::of(path), *format) {
         (Some(own), Some(wanted)) if own != wanted => bail!(Misused(format!(
             "{}: ends in .{}, but --format is {}",
             path.display(),
@@ -204,7 +210,7 @@ fn places_of(arguments: &Arguments) -> Result<(Place, Option<Place>)> {
             "{}: tables are .csv or .parquet: give such a name, or --format for one that ends otherwise",
             path.display()
         ))),
-        (own, _) => Ok(Place { path: path.to_owned(), format: own.unwrap_or(common) }),
+        (own, _) => Ok(TableFile { path: path.to_owned(), format: own.unwrap_or(common) }),
     };
     let default = PathBuf::from(format!("trajectories.{}", common.extension()));
     let trajectories = place(output.as_deref().unwrap_or(&default))?;

@@ -1,13 +1,13 @@
 //! `lemons sweep`: many runs with other parameters.
 
 use crate::error::Misused;
-use crate::files::{self, Force};
+use crate::files::{self, ForceOption};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::output::Output;
 use crate::print;
 use crate::version::BUILD;
 use anyhow::{Context, Result, bail};
-use lemons_sweep::{Finished, Options, Progress, Spec, Swept, check_over, summary, sweep as run};
+use lemons_sweep::{Finished, Options, Spec, SweepProgress, Swept, check_over, summary, sweep as run};
 use std::cell::Cell;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "summary")]
     over: Vec<String>,
     #[command(flatten)]
-    _force: Force,
+    _force: ForceOption,
 }
 
 const EXAMPLE: &str = include_str!("help/sweep.txt");
@@ -65,7 +65,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let template = "{bar:40} {percent:>3}%  {pos} of {len} points  {msg}{eta} left";
     let bar = print::bar(spec.points.count as u64, template)?;
     let (newest, mut noted) = (Cell::new(None), Instant::now());
-    let tell = |at: Progress| {
+    let tell = |at: SweepProgress| {
         newest.set(Some(at));
         if at.failed > 0 {
             bar.set_message(format!("{} failed  ", at.failed));
@@ -90,8 +90,8 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         (Ok(done), _) => done,
         (Err(error), Some(at)) => return Err(anyhow::Error::new(error).context(kept(at))),
         // With the exit code of a Trial that has errors.
-        (Err(lemons_sweep::Error::Master(error)), None) => return Err(error.into()),
-        (Err(error @ (lemons_sweep::Error::Spec(_) | lemons_sweep::Error::In { .. })), None) => {
+        (Err(lemons_sweep::SweepError::Master(error)), None) => return Err(error.into()),
+        (Err(error @ (lemons_sweep::SweepError::Spec(_) | lemons_sweep::SweepError::In { .. })), None) => {
             return Err(anyhow::Error::new(error).context(arguments.spec.display().to_string()));
         }
         (Err(error), None) => return Err(error.into()),
@@ -117,11 +117,17 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
 }
 
 /// How far a sweep is, in a line.
-fn kept(at: Progress) -> String {
+fn kept(at: SweepProgress) -> String {
     format!("{} of {} points are finished and kept", at.done, at.total)
 }
 
-fn print_points(rows: &[Finished], at: Progress, wall: f64, threads: usize, may_end: bool) -> Result<()> {
+fn print_points(
+    rows: &[Finished],
+    at: SweepProgress,
+    wall: f64,
+    threads: usize,
+    may_end: bool,
+) -> Result<()> {
     let new = at.done - at.before;
     say!("points             {:>10}     ({new} now, {} before)", at.total, at.before)?;
     say!("succeeded          {:>10}", at.done - at.failed)?;

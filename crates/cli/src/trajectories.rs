@@ -7,10 +7,12 @@ use crate::values::{positive, within};
 use anyhow::{Context, Result, bail};
 use lemons_core::files::input;
 use lemons_core::plane::Vec2;
-use lemons_core::trial::{Agent, AgentDynamics, Geometry, Interactions, Materials, Parameters, Shape, Trial};
+use lemons_core::trial::{
+    Agent, AgentDynamics, Geometry, Interactions, Materials, Parameters, ShapeElement, Trial,
+};
 use lemons_master::TrialInput;
 use lemons_people::PeopleError;
-use lemons_people::drawing::{Drawing, Format, LARGEST_DRAWING, Plan, PlanSettings, Reading};
+use lemons_people::drawing::{Drawing, DrawingFormat, FloorPlan, LARGEST_DRAWING, PlanSettings, Reading};
 use lemons_results::{READ, Record, Told, VELOCITY_OVER, holds_trajectories};
 use lemons_scenario::WALLS;
 use std::path::{Path, PathBuf};
@@ -94,7 +96,7 @@ impl ReadingArguments {
     /// Returns a Trial with the walls and, for each person, a body of one disk: nobody knows more.
     pub fn assumed_trial(&self, record: &Record, radius: f64) -> Result<Trial> {
         let geometry = self.walls(record)?;
-        let shape = Shape { radius, material_id: WALLS.into(), position: Vec2::zeros() };
+        let shape = ShapeElement { radius, material_id: WALLS.into(), position: Vec2::zeros() };
         let agent = |id: &String| Agent { id: id.clone(), shapes: vec![shape.clone()], ..Agent::default() };
         Ok(Trial {
             name: record.source().display().to_string(),
@@ -122,7 +124,7 @@ impl ReadingArguments {
             if all.len() > 1 {
                 note!("{source}: its geometry changes: the first of {} is taken (--geometry)", all.len());
             }
-            let plan = plan(Format::Wkt, wkt.as_bytes());
+            let plan = plan(DrawingFormat::Wkt, wkt.as_bytes());
             return Ok(plan.with_context(|| format!("{source}: geometry"))?.geometry(WALLS));
         };
         let named = || format!("--geometry {}", path.display());
@@ -131,7 +133,7 @@ impl ReadingArguments {
             let trial = trial_of(record.source(), Some(path), None).with_context(named)?;
             return Ok(trial.with_context(named)?.geometry);
         }
-        let format = Format::of(path).with_context(|| {
+        let format = DrawingFormat::of(path).with_context(|| {
             format!("{}: is neither a drawing (.wkt, .geojson, .dxf, .svg) nor a Trial or an FMU", named())
         })?;
         let bytes = input::read(path, LARGEST_DRAWING).with_context(named)?;
@@ -139,7 +141,7 @@ impl ReadingArguments {
     }
 }
 
-fn plan(format: Format, bytes: &[u8]) -> Result<Plan> {
+fn plan(format: DrawingFormat, bytes: &[u8]) -> Result<FloorPlan> {
     let drawing = match Drawing::read(format, bytes, &Reading::default()) {
         Err(PeopleError::NoUnit { .. }) => {
             bail!(
@@ -148,7 +150,7 @@ fn plan(format: Format, bytes: &[u8]) -> Result<Plan> {
         }
         drawing => drawing?,
     };
-    Ok(Plan::of(drawing, &PlanSettings::default())?)
+    Ok(FloorPlan::of(drawing, &PlanSettings::default())?)
 }
 
 impl TrajectoryArguments {

@@ -16,4 +16,4 @@ pub mod words;
 mod written;
 
 pub use temporary::{Scratch, give_up, make_directories};
-pub use written::{Change, Mark, Staged, WriteError, change_all, mark_of, reader_left, target_of};
+pub use written::{Change, FileStamp, Staged, WriteError, change_all, mark_of, reader_left, target_of};

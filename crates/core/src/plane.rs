@@ -27,4 +27,4 @@ pub use segment::{nearest_on_segment, ray_crosses, segments_cross, segments_touc
 pub use simple::sides_that_meet;
 pub use union::{Arc, Disk, Moments, boundary, union};
 pub use vec2::{InPlane, Vec2, vec2};
-pub use wkt::{Shape, polygon_from_wkt, shapes_from_wkt};
+pub use wkt::{WktGeometry, polygon_from_wkt, shapes_from_wkt};

@@ -18,13 +18,13 @@ mod xml;
 
 pub use crate::rule::{Rule, Severity};
 pub use crate::xml::{Problem, quoted};
-pub use agents::{Agent, BODY_MASS_INDEX, Shape};
+pub use agents::{Agent, BODY_MASS_INDEX, ShapeElement};
 pub use documents::{FileNames, INTERACTIONS, Trial, output_names};
-pub use drive::{DRIVE_FILE, DriveChoice, DriveTable, EVER, Push, half_sine, own_drive};
+pub use drive::{DRIVE_FILE, DriveChoice, DriveTable, DriveValues, EVER, half_sine, own_drive};
 pub use dynamics::{AgentDynamics, DynamicsElement, dynamics_xml};
 pub use geometry::{Geometry, Wall};
 pub use interactions::{AgentInteraction, ContactForce, Interactions, WallInteraction, interactions_xml};
-pub use materials::{Contact, Material, Materials, pairs_that_touch, stiffness};
+pub use materials::{ContactCoefficients, Material, Materials, pairs_that_touch, stiffness};
 pub use opening::OpeningTimes;
 pub use parameters::Parameters;
 pub use problem::Problems;

@@ -17,4 +17,4 @@ pub use check::{MOST_ATTRIBUTES, MOST_NAMESPACES};
 pub use document::{Document, Element};
 pub use number::{decimal, number};
 pub use problem::{Problem, Result, quoted};
-pub use write::{Attributes, Layout, Out, escaped};
+pub use write::{Attributes, Layout, XmlWriter, escaped};

@@ -20,7 +20,7 @@ pub const STILL: f64 = 0.1;
 /// A model of balance with its constants.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Balance {
+pub enum BalanceModel {
     /// See [`Pendulum`].
     Pendulum(Pendulum),
     /// See [`TwoLevel`].
@@ -84,19 +84,19 @@ impl Legs {
     }
 }
 
-impl Balance {
+impl BalanceModel {
     pub(crate) fn check(&self) -> Result<(), PlanError> {
         match self {
-            Balance::Pendulum(of) => of.check(),
-            Balance::TwoLevel(of) => of.check(),
+            BalanceModel::Pendulum(of) => of.check(),
+            BalanceModel::TwoLevel(of) => of.check(),
         }
     }
 
     /// Returns whether the person needs no step.
     pub fn is_balanced(&self, legs: &Legs, motion: &OwnMotion) -> bool {
         match self {
-            Balance::Pendulum(of) => of.is_balanced(legs, motion),
-            Balance::TwoLevel(of) => of.is_balanced(legs, motion),
+            BalanceModel::Pendulum(of) => of.is_balanced(legs, motion),
+            BalanceModel::TwoLevel(of) => of.is_balanced(legs, motion),
         }
     }
 
@@ -104,8 +104,8 @@ impl Balance {
     /// stop the body; who wants to start starts from balance.
     pub fn decided(&self, legs: Legs, motion: &OwnMotion, wants: bool) -> Legs {
         let stops = || match self {
-            Balance::Pendulum(of) => of.stops(motion),
-            Balance::TwoLevel(of) => of.stops(motion),
+            BalanceModel::Pendulum(of) => of.stops(motion),
+            BalanceModel::TwoLevel(of) => of.stops(motion),
         };
         let changes =
             if wants { legs.stands && self.is_balanced(&legs, motion) } else { !legs.stands && stops() };
@@ -114,17 +114,17 @@ impl Balance {
 
     /// Returns whether somebody has fallen, and stays on the ground.
     pub fn lies(&self, legs: &Legs) -> bool {
-        matches!(self, Balance::Pendulum(of) if of.lies(legs))
+        matches!(self, BalanceModel::Pendulum(of) if of.lies(legs))
     }
 
     /// \[s\] Returns the longest communication step with which the model is near to what it says, for people whose ground
     /// takes velocities with at most a rate \[1/s\].
     pub fn longest_step(&self, damping: f64) -> f64 {
         let own = match self {
-            Balance::Pendulum(of) => {
+            BalanceModel::Pendulum(of) => {
                 (0.25 * of.step_time).clamp(0.005, 0.02).min(0.12 / of.damping.max(1e-9))
             }
-            Balance::TwoLevel(_) => 0.02,
+            BalanceModel::TwoLevel(_) => 0.02,
         };
         own.min(0.1 / damping.max(1e-9))
     }
@@ -132,8 +132,8 @@ impl Balance {
     /// \[m/s²\] Returns the acceleration of the drive of somebody who stands, in addition to eq. 1's relaxation.
     pub fn drive(&self, legs: &Legs, motion: &OwnMotion) -> Vec2 {
         match self {
-            Balance::Pendulum(of) => of.drive(legs, motion),
-            Balance::TwoLevel(of) => of.drive(legs, motion),
+            BalanceModel::Pendulum(of) => of.drive(legs, motion),
+            BalanceModel::TwoLevel(of) => of.drive(legs, motion),
         }
     }
 
@@ -143,14 +143,14 @@ impl Balance {
             *legs = legs.under(motion, false);
         }
         match self {
-            Balance::Pendulum(of) => {
+            BalanceModel::Pendulum(of) => {
                 let feet: Vec<Vec2> = people.iter().flatten().map(|(legs, _)| legs.at).collect();
                 let around = pendulum::Around { faces, feet: &feet };
                 for (legs, motion) in people.iter_mut().flatten().filter(|(legs, _)| legs.stands) {
                     of.pass(legs, motion, around, step);
                 }
             }
-            Balance::TwoLevel(of) => of.pass(people, faces, step),
+            BalanceModel::TwoLevel(of) => of.pass(people, faces, step),
         }
     }
 }

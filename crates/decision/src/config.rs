@@ -14,7 +14,7 @@
 
 mod write;
 
-use crate::balance::{Balance, Pendulum, TwoLevel};
+use crate::balance::{BalanceModel, Pendulum, TwoLevel};
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
 use crate::rule::{Motivation, Waypoint};
@@ -282,7 +282,7 @@ impl DecisionConfig {
     }
 
     /// Returns the model of balance with its constants, if people have legs.
-    pub(crate) fn balance(&self) -> Result<Option<Balance>, PlanError> {
+    pub(crate) fn balance(&self) -> Result<Option<BalanceModel>, PlanError> {
         let name = self.balance.unwrap_or_default();
         let sections = [
             ("pendulum", BalanceName::Pendulum, self.pendulum.is_some()),
@@ -293,8 +293,8 @@ impl DecisionConfig {
         }
         Ok(match name {
             BalanceName::None => None,
-            BalanceName::Pendulum => Some(Balance::Pendulum(self.pendulum.unwrap_or_default())),
-            BalanceName::TwoLevel => Some(Balance::TwoLevel(self.two_level.unwrap_or_default())),
+            BalanceName::Pendulum => Some(BalanceModel::Pendulum(self.pendulum.unwrap_or_default())),
+            BalanceName::TwoLevel => Some(BalanceModel::TwoLevel(self.two_level.unwrap_or_default())),
         })
     }
 }

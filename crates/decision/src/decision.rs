@@ -21,9 +21,9 @@ mod legs;
 pub mod quantities;
 
 use aims::Aim;
-pub use fmi::Saved;
+pub use fmi::SavedDecision;
 pub use legs::Stance;
-pub use quantities::Quantity;
+pub use quantities::DecisionQuantity;
 
 /// \[s\] Relaxation time of the direction of walking, or only of the gaze.
 const STEERING_TIME: f64 = 0.3;
@@ -38,7 +38,7 @@ const SWAYING: [f64; 2] = [0.7, 0.4];
 
 /// An agent during the simulation, and in a saved state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Agent {
+pub struct AgentState {
     pose: Pose,
     /// \[m/s\]
     velocity: Vec2,
@@ -63,7 +63,7 @@ pub struct Agent {
     legs: Legs,
 }
 
-impl Agent {
+impl AgentState {
     /// Index of the next way-point, seen from the present pose.
     fn next(&self) -> usize {
         self.walker.next(self.next, self.waited, self.pose)
@@ -110,7 +110,7 @@ pub struct Decision {
     plan: Plan,
     /// Fingerprint of the plan.
     fingerprint: u128,
-    agents: Vec<Agent>,
+    agents: Vec<AgentState>,
     /// \[s\] Time since the start.
     time: f64,
     /// Largest number of way-points of an agent, at least 1.
@@ -132,7 +132,7 @@ pub struct Decision {
 impl Decision {
     /// Makes the model at the start of a plan.
     pub fn new(plan: Plan) -> Decision {
-        let agents = plan.agents.iter().enumerate().map(|(i, agent)| Agent {
+        let agents = plan.agents.iter().enumerate().map(|(i, agent)| AgentState {
             pose: agent.pose,
             velocity: Vec2::zeros(),
             walker: agent.walker.clone(),
@@ -326,7 +326,7 @@ impl Decision {
             self.find_aims();
         }
         let DesiredMotion { velocity, force, facing, .. } = self.intent(i);
-        let Agent { walker, pose, .. } = &self.agents[i];
+        let AgentState { walker, pose, .. } = &self.agents[i];
         Ok(walker.towards(*pose, velocity, force, facing))
     }
 

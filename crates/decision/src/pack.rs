@@ -4,12 +4,12 @@ use crate::config::DECISION_FILE;
 use crate::decision::Decision;
 use crate::error::PlanError;
 use crate::plan::Plan;
-use lemons_core::files::source::Disk;
+use lemons_core::files::source::LocalFiles;
 use lemons_core::trial::Trial;
-use lemons_fmi::archive::{Archive, ArchiveError, Binary, Content, Drawing};
+use lemons_fmi::archive::{ArchiveError, Binary, FmuContent, FmuPicture, FmuWriter};
 use lemons_fmi::description::{Packed, model_description, packed_description, terminals_xml};
 use lemons_fmi::documentation::documentation;
-use lemons_fmi::{Format, Version};
+use lemons_fmi::{FmuFormat, Version};
 use std::io::{Seek, Write};
 use std::path::Path;
 use thiserror::Error;
@@ -20,7 +20,7 @@ const MOST_NUMBERS: u64 = 20_000_000;
 /// Why an FMU could not be written.
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // the messages say it
-pub enum PackError {
+pub enum PlanPackError {
     #[error(transparent)]
     Archive(#[from] ArchiveError),
     #[error(transparent)]
@@ -33,7 +33,7 @@ pub enum PackError {
 }
 
 /// Returns the model description of a plan's FMU.
-pub fn description(plan: &Plan, format: Format) -> String {
+pub fn description(plan: &Plan, format: FmuFormat) -> String {
     model_description(&mut Decision::new(plan.clone()), format).expect("start values are in the plan")
 }
 
@@ -44,11 +44,11 @@ pub fn description(plan: &Plan, format: Format) -> String {
 pub fn write_fmu(
     trial: &Trial,
     plan: &Plan,
-    format: Format,
+    format: FmuFormat,
     binaries: &[Binary],
     file: impl Write + Seek,
-) -> Result<(), PackError> {
-    if format == Format::Fmi3 {
+) -> Result<(), PlanPackError> {
+    if format == FmuFormat::Fmi3 {
         check_size(plan)?;
     }
     let version = format.version();
@@ -59,7 +59,7 @@ pub fn write_fmu(
     let packed = Packed { name: DECISION_FILE.to_owned(), fingerprint: plan.fingerprint };
     let mut model = Decision::new(plan.clone());
     let names = ["Position", "Theta", "Velocity", "Fp", "Mp", "Active"];
-    let content = Content {
+    let content = FmuContent {
         version,
         description: &packed_description(&mut model, format, &[packed])
             .expect("start values are in the plan"),
@@ -67,11 +67,11 @@ pub fn write_fmu(
         binaries,
         // It fits the crowd's.
         terminals: terminals_xml(&model, version, "motion in, drives out", &names),
-        icon: Drawing { svg: include_str!("icon.svg"), png: include_bytes!("icon.png") },
-        diagram: Drawing { svg: include_str!("diagram.svg"), png: include_bytes!("diagram.png") },
+        icon: FmuPicture { svg: include_str!("icon.svg"), png: include_bytes!("icon.png") },
+        diagram: FmuPicture { svg: include_str!("diagram.svg"), png: include_bytes!("diagram.png") },
         picture: None,
     };
-    let mut archive = Archive::begin::<Decision>(file, &Disk, &content)?;
+    let mut archive = FmuWriter::begin::<Decision>(file, &LocalFiles, &content)?;
     archive.add(&format!("resources/{DECISION_FILE}"), plan.config.to_toml()?.as_bytes())?;
     for (path, text) in trial.texts(Path::new("resources")) {
         let parts: Vec<_> = path.iter().map(|part| part.to_string_lossy()).collect();
@@ -80,11 +80,11 @@ pub fn write_fmu(
     Ok(archive.finish()?)
 }
 
-fn check_size(plan: &Plan) -> Result<(), PackError> {
+fn check_size(plan: &Plan) -> Result<(), PlanPackError> {
     let waypoints = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max().unwrap_or(0);
     let (agents, waypoints) = (plan.agents.len() as u64, waypoints as u64);
     let numbers = agents.saturating_mul(waypoints).saturating_mul(2);
-    if numbers > MOST_NUMBERS { Err(PackError::TooLarge { agents, waypoints }) } else { Ok(()) }
+    if numbers > MOST_NUMBERS { Err(PlanPackError::TooLarge { agents, waypoints }) } else { Ok(()) }
 }
 
 #[cfg(test)]
@@ -101,7 +101,7 @@ mod tests {
         let config = format!("waypoints = [{{ x = 1, y = 2 }}]\n[agents.7]\nwaypoints = [{route}]");
         let plan = Plan::of(&trial, &DecisionConfig::from_toml(&config).unwrap()).unwrap();
         let error =
-            write_fmu(&trial, &plan, Format::Fmi3, &[], std::io::Cursor::new(Vec::new())).unwrap_err();
-        assert!(matches!(error, PackError::TooLarge { agents: 3000, waypoints: 4000 }), "{error}");
+            write_fmu(&trial, &plan, FmuFormat::Fmi3, &[], std::io::Cursor::new(Vec::new())).unwrap_err();
+        assert!(matches!(error, PlanPackError::TooLarge { agents: 3000, waypoints: 4000 }), "{error}");
     }
 }

@@ -5,7 +5,7 @@ mod destinations;
 mod groups;
 mod normalized;
 
-use crate::balance::Balance;
+use crate::balance::BalanceModel;
 use crate::config::{AgentConfig, DECISION_FILE, DecisionConfig, GroupsConfig};
 use crate::error::{PlanError, moderate};
 use crate::exit_choice::ExitChoice;
@@ -83,7 +83,7 @@ pub struct Plan {
     /// Model of how people walk among others.
     pub walking_model: WalkingModel,
     /// Legs of those who stand, if they have any.
-    pub balance: Option<Balance>,
+    pub balance: Option<BalanceModel>,
     /// How people choose who take the nearest exit.
     pub exit_choice: ExitChoice,
     /// Changes of everybody's motivation during the run.

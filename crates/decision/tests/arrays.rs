@@ -1,7 +1,7 @@
 //! The decision as arrays, through the functions of FMI 3.0.
 
 use lemons_core::plane::{Vec2, vec2};
-use lemons_core::trial::{Agent, AgentDynamics, Shape, Trial};
+use lemons_core::trial::{Agent, AgentDynamics, ShapeElement, Trial};
 use lemons_decision::pack::description;
 use lemons_decision::plan::Planned;
 use lemons_decision::rule::Walker;
@@ -9,10 +9,10 @@ use lemons_decision::{DECISION_FILE, Decision, DecisionConfig, Plan};
 use lemons_fmi::Status::{self, Ok as OK};
 use lemons_fmi::testing::bounds;
 use lemons_fmi::testing::dependencies::moved;
-use lemons_fmi::testing::instance::{Arguments, Functions};
-use lemons_fmi::testing::{Instance, Version};
+use lemons_fmi::testing::instance::{Arguments, VersionFunctions};
+use lemons_fmi::testing::{TestInstance, Version};
 use lemons_fmi::variables::Known;
-use lemons_fmi::{self as fmi, Format, Model};
+use lemons_fmi::{self as fmi, FmuFormat, Model};
 use lemons_testing::trial_push;
 use std::ffi::CString;
 use std::ops::Deref;
@@ -34,7 +34,8 @@ fn plan() -> Plan {
 
 fn trial() -> Trial {
     let (mut trial, _) = Trial::read(&trial_push()).unwrap();
-    let shapes = vec![Shape { radius: 0.2, position: Vec2::zeros(), ..trial.agents[0].shapes[0].clone() }];
+    let shapes =
+        vec![ShapeElement { radius: 0.2, position: Vec2::zeros(), ..trial.agents[0].shapes[0].clone() }];
     let person = |(id, x): (&str, f64)| {
         let start = AgentDynamics { position: vec2(x, 0.5), theta: 0.25 * x, ..AgentDynamics::default() };
         (Agent { shapes: shapes.clone(), ..Agent::new(id, 70.0 + x, 1.3, [2.0, 4.0]) }, start)
@@ -61,14 +62,14 @@ fn reference(name: &str) -> u32 {
 
 /// An instance of the plan.
 struct Walkers {
-    instance: Instance,
+    instance: TestInstance,
     _resources: TempDir,
 }
 
 impl Deref for Walkers {
-    type Target = Instance;
+    type Target = TestInstance;
 
-    fn deref(&self) -> &Instance {
+    fn deref(&self) -> &TestInstance {
         &self.instance
     }
 }
@@ -100,8 +101,8 @@ impl Walkers {
         std::fs::write(resources.path().join(DECISION_FILE), text).unwrap();
         let token = CString::new(token).unwrap();
         let path = CString::new(version.location(resources.path())).unwrap();
-        let functions = Functions::of_model::<Decision>(version);
-        let instance = Instance::new(&functions, &Arguments::new(&token, &path));
+        let functions = VersionFunctions::of_model::<Decision>(version);
+        let instance = TestInstance::new(&functions, &Arguments::new(&token, &path));
         Walkers { instance: instance.unwrap_or_else(|said| panic!("{said:?}")), _resources: resources }
     }
 
@@ -154,7 +155,7 @@ impl Walkers {
 /// SSPs, saved runs and importers hold names, value references and tokens. `DESCRIPTIONS=write` writes the files again.
 #[test]
 fn the_descriptions_are_those_that_importers_know() {
-    for (file, format) in [("fmi2.xml", Format::default()), ("fmi3.xml", Format::Fmi3)] {
+    for (file, format) in [("fmi2.xml", FmuFormat::default()), ("fmi3.xml", FmuFormat::Fmi3)] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/descriptions").join(file);
         let own = description(&plan(), format);
         if std::env::var_os("DESCRIPTIONS").is_some_and(|what| what == "write") {

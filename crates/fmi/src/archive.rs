@@ -2,7 +2,7 @@
 
 use crate::{Model, Version};
 use lemons_core::files::input;
-use lemons_core::files::source::{Disk, Source};
+use lemons_core::files::source::{FileSource, LocalFiles};
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -40,10 +40,10 @@ pub struct Binary {
 impl Binary {
     /// The file [`THIRD_PARTY`] beside it, or in the directory above, where releases have it.
     pub fn third_party(&self) -> Option<PathBuf> {
-        self.third_party_in(&Disk)
+        self.third_party_in(&LocalFiles)
     }
 
-    fn third_party_in(&self, files: &dyn Source) -> Option<PathBuf> {
+    fn third_party_in(&self, files: &dyn FileSource) -> Option<PathBuf> {
         let beside = self.path.parent()?;
         // Above `linux64` is the working directory, above that and above `..` is what `..` leads to.
         let above = beside.parent().filter(|_| beside.file_name().is_some());
@@ -116,12 +116,12 @@ pub fn host_directory() -> Option<&'static str> {
 pub const THIRD_PARTY: &str = "THIRD-PARTY.txt";
 
 /// An FMU being written.
-pub struct Archive<W: Write + Seek> {
+pub struct FmuWriter<W: Write + Seek> {
     zip: ZipWriter<W>,
 }
 
 /// The content of an FMU, apart from its resources.
-pub struct Content<'a> {
+pub struct FmuContent<'a> {
     /// Version of FMI.
     pub version: Version,
     /// `modelDescription.xml`
@@ -133,9 +133,9 @@ pub struct Content<'a> {
     /// `terminalsAndIcons/terminalsAndIcons.xml`
     pub terminals: String,
     /// The icon, a square: in `terminalsAndIcons`.
-    pub icon: Drawing,
+    pub icon: FmuPicture,
     /// What goes in and out, as FMI 3.0 wants it: `documentation/diagram.png`, which FMI 2.0 does not forbid.
-    pub diagram: Drawing,
+    pub diagram: FmuPicture,
     /// A picture of what is packed: `model.png`, which is the icon if there is none; in FMI 3.0
     /// `documentation/model.png`.
     pub picture: Option<Vec<u8>>,
@@ -143,24 +143,24 @@ pub struct Content<'a> {
 
 /// A drawing. Importers need the PNG; some prefer the SVG.
 #[derive(Debug, Clone, Copy)]
-pub struct Drawing {
+pub struct FmuPicture {
     /// `NAME.svg`
     pub svg: &'static str,
     /// `NAME.png`: the same drawing.
     pub png: &'static [u8],
 }
 
-impl<W: Write + Seek> Archive<W> {
+impl<W: Write + Seek> FmuWriter<W> {
     /// Starts the archive of a model's FMU, with binaries that are in these files. What follows are the resources.
     ///
     /// # Errors
     /// There is no binary, or one cannot be read; the archive cannot be written.
     pub fn begin<M: Model>(
         file: W,
-        files: &dyn Source,
-        content: &Content<'_>,
-    ) -> Result<Archive<W>, ArchiveError> {
-        let mut archive = Archive { zip: ZipWriter::new(file) };
+        files: &dyn FileSource,
+        content: &FmuContent<'_>,
+    ) -> Result<FmuWriter<W>, ArchiveError> {
+        let mut archive = FmuWriter { zip: ZipWriter::new(file) };
         archive.add("modelDescription.xml", content.description.as_bytes())?;
         archive.add("documentation/index.html", content.documentation.as_bytes())?;
         for (name, text) in LICENSES {
@@ -222,7 +222,7 @@ impl<W: Write + Seek> Archive<W> {
 ///
 /// # Errors
 /// The file cannot be read; the error names it.
-pub fn read(files: &dyn Source, path: &Path) -> Result<Vec<u8>, ArchiveError> {
+pub fn read(files: &dyn FileSource, path: &Path) -> Result<Vec<u8>, ArchiveError> {
     files
         .read(path, input::LARGEST_BINARY)
         .map_err(|error| ArchiveError::Read { path: path.to_owned(), error })

@@ -280,15 +280,15 @@ fn fault(panic: &(dyn std::any::Any + Send)) -> Refusal {
 }
 
 /// A pointer of the importer's, and how many elements it leads to.
-pub type In<T> = (*const T, usize);
+pub type InArray<T> = (*const T, usize);
 /// The same, of elements that are written to.
-pub type Out<T> = (*mut T, usize);
+pub type OutArray<T> = (*mut T, usize);
 
 /// An array that belongs to the importer.
 ///
 /// # Safety
 /// The pointer is NULL or leads to as many elements as said, which live through the call.
-pub(crate) unsafe fn array<'a, T>((pointer, length): In<T>, what: &str) -> Answer<&'a [T]> {
+pub(crate) unsafe fn array<'a, T>((pointer, length): InArray<T>, what: &str) -> Answer<&'a [T]> {
     match (pointer.is_null(), length) {
         (_, 0) => Ok(&[]),
         (true, _) => refuse(format!("{what} is NULL")),
@@ -301,7 +301,7 @@ pub(crate) unsafe fn array<'a, T>((pointer, length): In<T>, what: &str) -> Answe
 ///
 /// # Safety
 /// As [`array`], and no other code uses the elements during the call.
-pub(crate) unsafe fn array_mut<'a, T>((pointer, length): Out<T>, what: &str) -> Answer<&'a mut [T]> {
+pub(crate) unsafe fn array_mut<'a, T>((pointer, length): OutArray<T>, what: &str) -> Answer<&'a mut [T]> {
     match (pointer.is_null(), length) {
         (_, 0) => Ok(&mut []),
         (true, _) => refuse(format!("{what} is NULL")),
@@ -336,7 +336,7 @@ pub(crate) unsafe fn text<'a>(pointer: *const c_char, what: &str) -> Answer<&'a 
 ///
 /// # Safety
 /// As [`array`] and [`text`].
-pub(crate) unsafe fn texts<'a>(values: In<*const c_char>, what: &str) -> Answer<Vec<&'a str>> {
+pub(crate) unsafe fn texts<'a>(values: InArray<*const c_char>, what: &str) -> Answer<Vec<&'a str>> {
     // SAFETY: as the caller promises.
     unsafe { array(values, what)?.iter().map(|&value| text(value, what)).collect() }
 }

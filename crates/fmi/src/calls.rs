@@ -13,7 +13,9 @@
 #![allow(clippy::missing_safety_doc)] // said once, above
 
 use crate::answer::{Answer, Status, refuse};
-use crate::boundary::{Component, In, Instance, Intermediate, Out, array, array_mut, call, place, texts};
+use crate::boundary::{
+    Component, InArray, Instance, Intermediate, OutArray, array, array_mut, call, place, texts,
+};
 use crate::lifecycle::{Function, Phase};
 use crate::model::{Model, Step};
 use crate::slave::Snapshot;
@@ -31,7 +33,7 @@ impl<M: Model> Component<M> {
     pub unsafe fn set_debug_logging(
         &mut self,
         on: impl Default + PartialEq,
-        categories: In<*const c_char>,
+        categories: InArray<*const c_char>,
     ) -> Answer<()> {
         self.slave.check(Function::SetDebugLogging)?;
         // SAFETY: the importer keeps FMI's contract; the same below.
@@ -68,18 +70,22 @@ impl<M: Model> Component<M> {
         self.slave.reset()
     }
 
-    pub unsafe fn get(&mut self, references: In<u32>, values: Out<impl Number>) -> Answer<()> {
+    pub unsafe fn get(&mut self, references: InArray<u32>, values: OutArray<impl Number>) -> Answer<()> {
         let (references, values) = unsafe { (array(references, REFERENCES)?, array_mut(values, VALUES)?) };
         self.slave.get(references, values)
     }
 
-    pub unsafe fn set(&mut self, references: In<u32>, values: In<impl Number>) -> Answer<()> {
+    pub unsafe fn set(&mut self, references: InArray<u32>, values: InArray<impl Number>) -> Answer<()> {
         let (references, values) = unsafe { (array(references, REFERENCES)?, array(values, VALUES)?) };
         self.slave.set(references, values)
     }
 
     /// The texts live until the next such call or the end of the instance.
-    pub unsafe fn get_strings(&mut self, references: In<u32>, values: Out<*const c_char>) -> Answer<()> {
+    pub unsafe fn get_strings(
+        &mut self,
+        references: InArray<u32>,
+        values: OutArray<*const c_char>,
+    ) -> Answer<()> {
         let (references, values) = unsafe { (array(references, REFERENCES)?, array_mut(values, VALUES)?) };
         let texts = self.slave.get_strings(references, values.len())?;
         self.strings = texts.into_iter().map(|text| CString::new(text).unwrap_or_default()).collect();
@@ -89,16 +95,20 @@ impl<M: Model> Component<M> {
         Ok(())
     }
 
-    pub unsafe fn set_strings(&mut self, references: In<u32>, values: In<*const c_char>) -> Answer<()> {
+    pub unsafe fn set_strings(
+        &mut self,
+        references: InArray<u32>,
+        values: InArray<*const c_char>,
+    ) -> Answer<()> {
         let (references, values) = unsafe { (array(references, REFERENCES)?, texts(values, "a value")?) };
         self.slave.set_strings(references, &values)
     }
 
     pub unsafe fn get_output_derivatives(
         &mut self,
-        references: In<u32>,
-        orders: In<i32>,
-        values: Out<f64>,
+        references: InArray<u32>,
+        orders: InArray<i32>,
+        values: OutArray<f64>,
     ) -> Answer<()> {
         let (references, orders) = unsafe { (array(references, REFERENCES)?, array(orders, "orders")?) };
         self.slave.get_output_derivatives(references, orders, unsafe { array_mut(values, VALUES)? })
@@ -130,7 +140,7 @@ impl<M: Model> Component<M> {
         Ok(())
     }
 
-    pub unsafe fn serialize_state(&mut self, state: *mut c_void, buffer: Out<u8>) -> Answer<()> {
+    pub unsafe fn serialize_state(&mut self, state: *mut c_void, buffer: OutArray<u8>) -> Answer<()> {
         self.slave.check(Function::State)?;
         let buffer = unsafe { array_mut(buffer, "serializedState")? };
         let bytes = self.slave.serialize(&*self.state(state)?)?;
@@ -142,7 +152,7 @@ impl<M: Model> Component<M> {
         Ok(())
     }
 
-    pub unsafe fn deserialize_state(&mut self, bytes: In<u8>, state: *mut *mut c_void) -> Answer<()> {
+    pub unsafe fn deserialize_state(&mut self, bytes: InArray<u8>, state: *mut *mut c_void) -> Answer<()> {
         let (bytes, place) = unsafe { (array(bytes, "serializedState")?, place(state, STATE)?) };
         Ok(states::put(place, self.slave.deserialize(bytes)?)?)
     }

@@ -5,10 +5,10 @@ use crate::boundary::LOG_CATEGORIES;
 use crate::model::{Model, guid, instantiation_token, reference};
 use crate::variables::units::SECOND;
 use crate::variables::{
-    Dependencies, Dimension, Domain, Kind, Known, RealType, Role, Scalar, Type, Unit, Variable,
+    BaseType, Dependencies, Dimension, Domain, Known, RealType, Role, Scalar, Unit, Variable, VariableType,
 };
-use crate::{Answer, Format, Naming, Version};
-use lemons_core::xml::{Layout, Out, number};
+use crate::{Answer, FmuFormat, Naming, Version};
+use lemons_core::xml::{Layout, XmlWriter, number};
 use std::collections::{BTreeSet, HashMap};
 
 /// What is packed into an FMU, as its description tells it.
@@ -24,7 +24,7 @@ pub struct Packed {
 ///
 /// # Errors
 /// A start value is not known.
-pub fn model_description<M: Model>(model: &mut M, format: Format) -> Answer<String> {
+pub fn model_description<M: Model>(model: &mut M, format: FmuFormat) -> Answer<String> {
     packed_description(model, format, &[])
 }
 
@@ -32,10 +32,10 @@ pub fn model_description<M: Model>(model: &mut M, format: Format) -> Answer<Stri
 ///
 /// # Errors
 /// A start value is not known.
-pub fn packed_description<M: Model>(model: &mut M, format: Format, packed: &[Packed]) -> Answer<String> {
+pub fn packed_description<M: Model>(model: &mut M, format: FmuFormat, packed: &[Packed]) -> Answer<String> {
     match format {
-        Format::Fmi2(naming) => of_scalars(model, naming, packed),
-        Format::Fmi3 => of_arrays(model, packed),
+        FmuFormat::Fmi2(naming) => of_scalars(model, naming, packed),
+        FmuFormat::Fmi3 => of_arrays(model, packed),
     }
 }
 
@@ -58,7 +58,7 @@ fn of_scalars<M: Model>(model: &mut M, naming: Naming, packed: &[Packed]) -> Ans
                 let place = place.to_string();
                 out.element("ScalarVariable", &attributes(variable, name, &place, description), |out| {
                     let mut own = Vec::new();
-                    if let Kind::Real(of) = variable.kind {
+                    if let VariableType::Real(of) = variable.kind {
                         own.push(("declaredType", of.name));
                     }
                     let bounds = own_bounds(variable);
@@ -106,7 +106,7 @@ fn of_arrays<M: Model>(model: &mut M, packed: &[Packed]) -> Answer<String> {
         out.element("ModelVariables", &[], |out| {
             write_time(out);
             for (place, (size, value)) in M::SIZES.iter().zip(&sizes).enumerate() {
-                let bounds = bounds(Domain::Size, Type::Size);
+                let bounds = bounds(Domain::Size, BaseType::Size);
                 let (reference, value) = ((place + 1).to_string(), value.to_string());
                 let mut attributes = vec![
                     ("name", size.name),
@@ -149,7 +149,7 @@ fn packed_by(commit: Option<&str>) -> Vec<(&str, &str)> {
 }
 
 /// Says what was packed by what: the commit if the build was told it, which a build never asks git for.
-fn write_annotation(out: &mut Out, version: Version, packed: &[Packed]) {
+fn write_annotation(out: &mut XmlWriter, version: Version, packed: &[Packed]) {
     if packed.is_empty() {
         return;
     }
@@ -179,7 +179,7 @@ fn document<M: Model>(
     version: Version,
     identity: [(&str, &str); 2],
     naming: &str,
-    rest: impl FnOnce(&mut Out),
+    rest: impl FnOnce(&mut XmlWriter),
 ) -> String {
     let [fmi_version, token] = identity;
     let root = [
@@ -194,7 +194,7 @@ fn document<M: Model>(
         ("generationTool", concat!("LEMONS-FMU ", env!("CARGO_PKG_VERSION"))),
         ("variableNamingConvention", naming),
     ];
-    Out::document(Layout::STANDARD, "fmiModelDescription", &root, |out| {
+    XmlWriter::document(Layout::STANDARD, "fmiModelDescription", &root, |out| {
         out.empty("CoSimulation", &co_simulation::<M>(version));
         let types = types_of::<M>();
         out.element("UnitDefinitions", &[], |out| write_units(out, version, &types));
@@ -236,7 +236,7 @@ fn co_simulation<M: Model>(version: Version) -> Vec<(&'static str, &'static str)
 fn types_of<M: Model>() -> Vec<RealType> {
     let mut types: Vec<RealType> = Vec::new();
     for variable in M::VARIABLES {
-        if let Kind::Real(of) = variable.kind
+        if let VariableType::Real(of) = variable.kind
             && !types.contains(&of)
         {
             types.push(of);
@@ -246,7 +246,7 @@ fn types_of<M: Model>() -> Vec<RealType> {
 }
 
 /// Writes the units of types, in the order of their first use.
-fn write_units(out: &mut Out, version: Version, types: &[RealType]) {
+fn write_units(out: &mut XmlWriter, version: Version, types: &[RealType]) {
     let time = (version == Version::V3).then_some(SECOND);
     let mut units: Vec<Unit> = Vec::new();
     for unit in time.into_iter().chain(types.iter().map(|of| of.unit)) {
@@ -268,12 +268,12 @@ fn write_units(out: &mut Out, version: Version, types: &[RealType]) {
 }
 
 /// Writes what variables of a type have in common.
-fn write_type(out: &mut Out, version: Version, of: &RealType) {
+fn write_type(out: &mut XmlWriter, version: Version, of: &RealType) {
     let name = ("name", of.name);
     let mut attributes = vec![("quantity", of.quantity), ("unit", of.unit.name)];
     let shown = of.unit.display.filter(|_| of.is_displayed);
     attributes.extend(shown.map(|(name, _)| ("displayUnit", name)));
-    let bounds = bounds(of.domain, Type::Real);
+    let bounds = bounds(of.domain, BaseType::Real);
     attributes.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
     let nominal = number(of.nominal);
     attributes.push(("nominal", &nominal));
@@ -301,7 +301,7 @@ fn attributes<'a, Q>(
     };
     let variability = match (variable.role, variable.kind) {
         (Role::Parameter | Role::CalculatedParameter, _) => "fixed",
-        (_, Kind::Real(_)) => "continuous",
+        (_, VariableType::Real(_)) => "continuous",
         _ => "discrete",
     };
     let mut attributes = vec![
@@ -316,8 +316,8 @@ fn attributes<'a, Q>(
 }
 
 /// Returns `min` and `max`, where values of the type are refused.
-fn bounds(domain: Domain, of: Type) -> Vec<(&'static str, String)> {
-    let written = |bound: f64| if of == Type::Real { number(bound) } else { format!("{bound:.0}") };
+fn bounds(domain: Domain, of: BaseType) -> Vec<(&'static str, String)> {
+    let written = |bound: f64| if of == BaseType::Real { number(bound) } else { format!("{bound:.0}") };
     let bounds = ["min", "max"].into_iter().zip(domain.bounds(of));
     bounds.filter_map(|(name, bound)| Some((name, written(bound?)))).collect()
 }
@@ -325,14 +325,14 @@ fn bounds(domain: Domain, of: Type) -> Vec<(&'static str, String)> {
 /// Returns `min` and `max` of a variable, where those of its type are others.
 fn own_bounds<Q>(variable: &Variable<Q>) -> Vec<(&'static str, String)> {
     let mut own = bounds(variable.domain, variable.kind.into());
-    if let Kind::Real(of) = variable.kind {
-        let declared = bounds(of.domain, Type::Real);
+    if let VariableType::Real(of) = variable.kind {
+        let declared = bounds(of.domain, BaseType::Real);
         own.retain(|bound| !declared.contains(bound));
     }
     own
 }
 
-fn write_time(out: &mut Out) {
+fn write_time(out: &mut XmlWriter) {
     let attributes = [
         ("name", "time"),
         ("valueReference", "0"),
@@ -344,10 +344,10 @@ fn write_time(out: &mut Out) {
     out.empty("Float64", &attributes);
 }
 
-fn write_array<M: Model>(out: &mut Out, variable: &Variable<M::Quantity>, start: Option<&str>) {
+fn write_array<M: Model>(out: &mut XmlWriter, variable: &Variable<M::Quantity>, start: Option<&str>) {
     let own = value_reference::<M>(variable);
     let mut attributes = attributes(variable, variable.name, &own, variable.description);
-    if let Kind::Real(of) = variable.kind {
+    if let VariableType::Real(of) = variable.kind {
         attributes.push(("declaredType", of.name));
         // Within a step importers may only read what is continuous and says so; inputs are not set there.
         if M::SHOWS_INTERMEDIATE_VALUES && is_output(variable.role) {
@@ -357,9 +357,9 @@ fn write_array<M: Model>(out: &mut Out, variable: &Variable<M::Quantity>, start:
     let bounds = own_bounds(variable);
     attributes.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
     // Only single texts can be set.
-    let (number, text) = if variable.kind == Kind::String { (None, start) } else { (start, None) };
+    let (number, text) = if variable.kind == VariableType::String { (None, start) } else { (start, None) };
     attributes.extend(number.map(|start| ("start", start)));
-    let element = Type::from(variable.kind).name(Version::V3);
+    let element = BaseType::from(variable.kind).name(Version::V3);
     if variable.dimensions.is_empty() && text.is_none() {
         return out.empty(element, &attributes);
     }
@@ -383,7 +383,7 @@ const MOST_LISTED: usize = 10_000;
 /// depend. Where each depends on the same ones and these lists would be long, there are none, which
 /// FMI reads as "on all".
 fn write_unknowns<M: Model>(
-    out: &mut Out,
+    out: &mut XmlWriter,
     model: &M,
     scalars: &[Scalar<M::Quantity>],
     is_wanted: IsWanted,
@@ -446,14 +446,14 @@ fn start<M: Model>(
     }
     let mut starts = Vec::with_capacity(length);
     for element in first..first + length {
-        if variable.kind == Kind::String {
+        if variable.kind == VariableType::String {
             return Ok(Some(model.text(variable.quantity, element).to_owned()));
         }
         starts.push(model.number(variable.quantity, element)?);
     }
     let written = |value: &f64| match variable.kind {
-        Kind::Integer => format!("{value:.0}"),
-        Kind::Boolean => (*value != 0.0).to_string(),
+        VariableType::Integer => format!("{value:.0}"),
+        VariableType::Boolean => (*value != 0.0).to_string(),
         _ => number(*value),
     };
     let alike = starts.iter().all(|value| value.to_bits() == starts[0].to_bits());
@@ -466,7 +466,7 @@ fn start<M: Model>(
 pub fn terminals_xml<M: Model>(model: &M, version: Version, description: &str, names: &[&str]) -> String {
     // FMI 2.0 takes this file from FMI 3.0, with its version.
     let root = [("fmiVersion", "3.0")];
-    Out::document(Layout::STANDARD, "fmiTerminalsAndIcons", &root, |out| {
+    XmlWriter::document(Layout::STANDARD, "fmiTerminalsAndIcons", &root, |out| {
         out.element("GraphicalRepresentation", &[], |out| {
             let corners = [("x1", "-100"), ("y1", "-100"), ("x2", "100"), ("y2", "100")];
             let mut system = corners.to_vec();

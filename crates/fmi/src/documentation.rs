@@ -2,7 +2,7 @@
 
 use crate::Version;
 use crate::model::{Model, guid, instantiation_token};
-use crate::variables::{Dimension, Kind, Role, Variable};
+use crate::variables::{Dimension, Role, Variable, VariableType};
 use lemons_core::xml::escaped;
 
 /// Returns `documentation/index.html`: a text about the version, filled in, and the table of
@@ -47,7 +47,7 @@ fn rows_html<M: Model>(model: &M, version: Version) -> String {
             Role::Parameter => "parameter",
             Role::CalculatedParameter => "calculated parameter",
         };
-        let unit = if let Kind::Real(of) = variable.kind { of.unit.name } else { "" };
+        let unit = if let VariableType::Real(of) = variable.kind { of.unit.name } else { "" };
         let description = escaped(variable.description);
         Some(format!("<tr><td>{name}</td><td>{kind}</td><td>{unit}</td><td>{description}</td></tr>\n"))
     };

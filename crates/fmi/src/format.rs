@@ -1,7 +1,7 @@
 //! The versions of FMI.
 
 /// A version of FMI.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Version {
     /// FMI 2.0: a variable for each number.
     #[default]
@@ -12,7 +12,7 @@ pub enum Version {
 
 /// The version of FMI that is written, and what can be chosen in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
+pub enum FmuFormat {
     /// FMI 2.0
     Fmi2(Naming),
     /// FMI 3.0
@@ -30,18 +30,18 @@ pub enum Naming {
     Flat,
 }
 
-impl Default for Format {
-    fn default() -> Format {
-        Format::Fmi2(Naming::default())
+impl Default for FmuFormat {
+    fn default() -> FmuFormat {
+        FmuFormat::Fmi2(Naming::default())
     }
 }
 
-impl Format {
+impl FmuFormat {
     /// Returns the version.
     pub fn version(self) -> Version {
         match self {
-            Format::Fmi2(_) => Version::V2,
-            Format::Fmi3 => Version::V3,
+            FmuFormat::Fmi2(_) => Version::V2,
+            FmuFormat::Fmi3 => Version::V3,
         }
     }
 }

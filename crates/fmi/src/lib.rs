@@ -40,7 +40,7 @@ pub mod variables;
 
 pub use answer::{Answer, Refusal, Status, damaged, refuse};
 pub use boundary::{LOG_CATEGORIES, Logger2, silence_panics};
-pub use format::{Format, Naming, Version};
+pub use format::{FmuFormat, Naming, Version};
 pub use lifecycle::{Function, Phase};
 pub use model::{Model, Step, StepError, fingerprint, guid, instantiation_token, reference};
 pub use slave::{Slave, Snapshot};

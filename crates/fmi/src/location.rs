@@ -1,6 +1,6 @@
 //! The directories that a resource location may mean.
 
-use lemons_core::files::source::Source;
+use lemons_core::files::source::FileSource;
 use percent_encoding::percent_decode_str;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -23,7 +23,7 @@ pub enum Location<'a> {
     /// FMI 3.0: a path.
     Path(&'a str),
     /// FMI 3.0 as a WebAssembly component, which has no disk: files, by paths relative to `resources`.
-    Files(&'static (dyn Source + Sync)),
+    Files(&'static (dyn FileSource + Sync)),
 }
 
 impl<'a> Location<'a> {

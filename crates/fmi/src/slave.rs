@@ -10,7 +10,7 @@ use crate::Version;
 use crate::answer::{Answer, discard, refuse};
 use crate::lifecycle::{Function, Phase, allowed};
 use crate::model::{Model, Step, StepError, guid, instantiation_token};
-use crate::variables::{Domain, Role, Scalar, Type, Variable};
+use crate::variables::{BaseType, Domain, Role, Scalar, Variable};
 pub use saved::Snapshot;
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
@@ -30,7 +30,7 @@ struct Row<Q> {
     quantity: Option<Q>,
     /// FMI 2.0: the element.
     element: u32,
-    of: Type,
+    of: BaseType,
     role: Role,
     domain: Domain,
 }
@@ -310,9 +310,9 @@ impl<M: Model> Slave<M> {
 /// Returns the variables of FMI 3.0, by value reference.
 fn rows_of_arrays<M: Model>() -> Vec<Row<M::Quantity>> {
     let other = |of, role| Row { quantity: None, element: 0, of, role, domain: Domain::Size };
-    let sizes = M::SIZES.iter().map(|_| other(Type::Size, Role::Parameter));
+    let sizes = M::SIZES.iter().map(|_| other(BaseType::Size, Role::Parameter));
     let arrays = M::VARIABLES.iter().map(|variable| Row::new(variable, 0));
-    [other(Type::Real, Role::Calculated)].into_iter().chain(sizes).chain(arrays).collect()
+    [other(BaseType::Real, Role::Calculated)].into_iter().chain(sizes).chain(arrays).collect()
 }
 
 /// Returns the structural parameters of FMI 3.0 for what is loaded.

@@ -12,5 +12,6 @@ pub mod dependencies;
 pub mod functions;
 pub mod instance;
 
+pub use crate::Version;
 pub use functions::{fmi2, fmi3};
-pub use instance::{Instance, Message, Version};
+pub use instance::{Message, TestInstance};

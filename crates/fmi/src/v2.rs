@@ -10,7 +10,9 @@
 
 use crate::Version;
 use crate::answer::{Answer, Refusal, Status};
-use crate::boundary::{Arguments, Component, In, Log, Logger, Logger2, array, make, place, silence_panics};
+use crate::boundary::{
+    Arguments, Component, InArray, Log, Logger, Logger2, array, make, place, silence_panics,
+};
 use crate::lifecycle::Function;
 use crate::model::Model;
 use std::ffi::{c_char, c_int, c_void};
@@ -61,9 +63,9 @@ const TERMINATED: c_int = 3;
 impl<M: Model> Component<M> {
     pub unsafe fn set_input_derivatives(
         &mut self,
-        references: In<u32>,
-        orders: In<c_int>,
-        values: In<f64>,
+        references: InArray<u32>,
+        orders: InArray<c_int>,
+        values: InArray<f64>,
     ) -> Answer<()> {
         let (references, orders, values) =
             unsafe { (array(references, "vr")?, array(orders, "order")?, array(values, "value")?) };

@@ -11,8 +11,8 @@
 use crate::Version;
 use crate::answer::{Answer, Status, refuse};
 use crate::boundary::{
-    Arguments, Component, In, Intermediate, IntermediateUpdate, Log, Logger, Logger3, array, array_mut, make,
-    place, silence_panics,
+    Arguments, Component, InArray, Intermediate, IntermediateUpdate, Log, Logger, Logger3, array, array_mut,
+    make, place, silence_panics,
 };
 use crate::lifecycle::{Function, Phase};
 use crate::model::Model;
@@ -84,7 +84,7 @@ impl<M: Model> Component<M> {
     }
 
     /// Reads or sets a type that no variable has: right only without variables.
-    pub unsafe fn no_variables(&mut self, references: In<u32>) -> Answer<()> {
+    pub unsafe fn no_variables(&mut self, references: InArray<u32>) -> Answer<()> {
         let (verb, kind) = self.function.split_at("fmi3Get".len());
         let function = if verb == "fmi3Get" { Function::Get } else { Function::Set };
         self.slave.no_variables(function, kind, unsafe { array(references, "valueReferences")? })

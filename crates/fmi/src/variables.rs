@@ -21,7 +21,7 @@ pub enum Role {
 
 /// An FMI type.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Kind {
+pub enum VariableType {
     /// Real or Float64, with what it measures.
     Real(RealType),
     /// Integer or Int32; models give and take whole numbers.
@@ -32,17 +32,17 @@ pub enum Kind {
     String,
 }
 
-impl Kind {
+impl VariableType {
     /// Returns the type's name in FMI 2.0.
     pub fn name(self) -> &'static str {
-        Type::from(self).name(Version::V2)
+        BaseType::from(self).name(Version::V2)
     }
 }
 
 /// A [`Kind`] without what it measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)] // FMI's own names
-pub enum Type {
+pub enum BaseType {
     Real,
     Integer,
     Boolean,
@@ -51,27 +51,27 @@ pub enum Type {
     Size,
 }
 
-impl Type {
+impl BaseType {
     /// Returns the name in a version of FMI.
     pub fn name(self, version: Version) -> &'static str {
         let [of_2, of_3] = match self {
-            Type::Real => ["Real", "Float64"],
-            Type::Integer => ["Integer", "Int32"],
-            Type::Boolean => ["Boolean", "Boolean"],
-            Type::String => ["String", "String"],
-            Type::Size => ["", "UInt64"],
+            BaseType::Real => ["Real", "Float64"],
+            BaseType::Integer => ["Integer", "Int32"],
+            BaseType::Boolean => ["Boolean", "Boolean"],
+            BaseType::String => ["String", "String"],
+            BaseType::Size => ["", "UInt64"],
         };
         if version == Version::V2 { of_2 } else { of_3 }
     }
 }
 
-impl From<Kind> for Type {
-    fn from(kind: Kind) -> Type {
+impl From<VariableType> for BaseType {
+    fn from(kind: VariableType) -> BaseType {
         match kind {
-            Kind::Real(_) => Type::Real,
-            Kind::Integer => Type::Integer,
-            Kind::Boolean => Type::Boolean,
-            Kind::String => Type::String,
+            VariableType::Real(_) => BaseType::Real,
+            VariableType::Integer => BaseType::Integer,
+            VariableType::Boolean => BaseType::Boolean,
+            VariableType::String => BaseType::String,
         }
     }
 }
@@ -79,7 +79,7 @@ impl From<Kind> for Type {
 /// A type of C for numbers of an FMI type.
 pub trait Number: Copy {
     /// The FMI type.
-    const TYPE: Type;
+    const TYPE: BaseType;
 
     /// Converts a number of a model.
     fn of(number: f64) -> Self;
@@ -89,7 +89,7 @@ pub trait Number: Copy {
 }
 
 impl Number for f64 {
-    const TYPE: Type = Type::Real;
+    const TYPE: BaseType = BaseType::Real;
 
     fn of(number: f64) -> f64 {
         number
@@ -101,7 +101,7 @@ impl Number for f64 {
 }
 
 impl Number for i32 {
-    const TYPE: Type = Type::Integer;
+    const TYPE: BaseType = BaseType::Integer;
 
     fn of(number: f64) -> i32 {
         number as i32
@@ -113,7 +113,7 @@ impl Number for i32 {
 }
 
 impl Number for u64 {
-    const TYPE: Type = Type::Size;
+    const TYPE: BaseType = BaseType::Size;
 
     fn of(number: f64) -> u64 {
         number as u64
@@ -125,7 +125,7 @@ impl Number for u64 {
 }
 
 impl Number for bool {
-    const TYPE: Type = Type::Boolean;
+    const TYPE: BaseType = BaseType::Boolean;
 
     fn of(number: f64) -> bool {
         number != 0.0
@@ -142,7 +142,7 @@ impl Number for bool {
 pub struct Flag<T>(T);
 
 impl<T: Copy + Default + From<bool> + PartialEq> Number for Flag<T> {
-    const TYPE: Type = Type::Boolean;
+    const TYPE: BaseType = BaseType::Boolean;
 
     fn of(number: f64) -> Flag<T> {
         Flag((number != 0.0).into())
@@ -278,11 +278,11 @@ pub(crate) const MOST: u64 = 100_000_000;
 
 impl Domain {
     /// Returns the least and the greatest value that a description declares, where the type has further ones.
-    pub fn bounds(self, of: Type) -> [Option<f64>; 2] {
+    pub fn bounds(self, of: BaseType) -> [Option<f64>; 2] {
         match self {
             Domain::Finite => [None, None],
             Domain::NonNegative => [Some(0.0), None],
-            Domain::Positive if of == Type::Real => [Some(f64::MIN_POSITIVE), None],
+            Domain::Positive if of == BaseType::Real => [Some(f64::MIN_POSITIVE), None],
             Domain::Positive => [Some(1.0), None],
             Domain::Size => [Some(1.0), Some(MOST as f64)],
         }
@@ -330,7 +330,7 @@ pub struct Variable<Q: 'static> {
     /// Structured name.
     pub name: &'static str,
     /// Type, with the unit.
-    pub kind: Kind,
+    pub kind: VariableType,
     /// Causality, variability and `initial` in one.
     pub role: Role,
     /// The values that each element can have.
@@ -361,7 +361,7 @@ pub const fn row<Q: 'static>(
     quantity: Q,
     name: &'static str,
     dimensions: &'static [Dimension],
-    kind: Kind,
+    kind: VariableType,
 ) -> Variable<Q> {
     let (role, domain) = (Role::Calculated, Domain::Finite);
     Variable { quantity, name, kind, role, domain, dimensions, initially_on: &[], description: "" }

@@ -3,13 +3,13 @@
 
 use lemons_fmi::location::Location;
 use lemons_fmi::testing::fmi2;
-use lemons_fmi::testing::instance::{Arguments, Functions};
-use lemons_fmi::testing::{Instance, Message};
-use lemons_fmi::variables::{Dependencies, Kind, Known, Scalar, Size, Variable, row, types};
+use lemons_fmi::testing::instance::{Arguments, VersionFunctions};
+use lemons_fmi::testing::{Message, TestInstance};
+use lemons_fmi::variables::{Dependencies, Known, Scalar, Size, Variable, VariableType, row, types};
 use lemons_fmi::{Answer, Model, Phase, Status, Step, StepError, guid};
 use std::ffi::{CStr, CString};
 
-static X: [Variable<()>; 1] = [row((), "x", &[], Kind::Real(types::FORCE)).input("")];
+static X: [Variable<()>; 1] = [row((), "x", &[], VariableType::Real(types::FORCE)).input("")];
 
 /// Its one variable is an input; at 13 it breaks.
 struct Brittle {
@@ -84,10 +84,10 @@ impl Model for Brittle {
     }
 }
 
-fn instantiate_at(location: &CStr) -> Result<Instance, Vec<Message>> {
+fn instantiate_at(location: &CStr) -> Result<TestInstance, Vec<Message>> {
     let guid = CString::new(guid(&Brittle { x: 0.0 }.scalars()).braced().to_string()).unwrap();
-    let functions = Functions::V2(Box::new(fmi2::Functions::of_model::<Brittle>()));
-    Instance::new(&functions, &Arguments::new(&guid, location))
+    let functions = VersionFunctions::V2(Box::new(fmi2::Functions::of_model::<Brittle>()));
+    TestInstance::new(&functions, &Arguments::new(&guid, location))
 }
 
 #[track_caller]

@@ -1,6 +1,6 @@
 //! Where a Trial comes from.
 
-use crate::driven::Basis;
+use crate::driven::UneditedTrial;
 use crate::edit::{self, Edit};
 use crate::{Refused, crowd, upload};
 use lemons_core::trial::Trial;
@@ -10,10 +10,10 @@ use serde::Deserialize;
 
 /// Where a Trial comes from.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(rename = "Base"))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[allow(missing_docs)] // as said
-pub enum Base {
+pub enum TrialSource {
     /// It comes with the lab: one of [`upload::EXAMPLES`].
     Example { name: String },
     /// It is made.
@@ -22,7 +22,7 @@ pub enum Base {
     Upload { name: String, files: Vec<(String, usize)> },
 }
 
-impl Base {
+impl TrialSource {
     /// Makes the Trial before edits, or reads it; `tables` are those of a crowd, with their lengths.
     ///
     /// # Errors
@@ -32,11 +32,11 @@ impl Base {
         tables: &[(String, usize)],
         bytes: &[u8],
         watch: &mut Watch,
-    ) -> Result<Basis, Refused> {
+    ) -> Result<UneditedTrial, Refused> {
         match self {
-            Base::Example { name } => upload::example(name),
-            Base::Crowd(scenario) => crowd::crowd(scenario, &split(tables, bytes)?, watch),
-            Base::Upload { name, files } => {
+            TrialSource::Example { name } => upload::example(name),
+            TrialSource::Crowd(scenario) => crowd::crowd(scenario, &split(tables, bytes)?, watch),
+            TrialSource::Upload { name, files } => {
                 let files = split(files, bytes)?;
                 match upload::scenario(name, &files)? {
                     Some((path, files)) => crowd::of_file(&path, &files, watch),
@@ -49,7 +49,7 @@ impl Base {
     /// Returns the scenario of a crowd that is made.
     pub fn crowd(&self) -> Option<&Scenario> {
         match self {
-            Base::Crowd(scenario) => Some(scenario),
+            TrialSource::Crowd(scenario) => Some(scenario),
             _ => None,
         }
     }

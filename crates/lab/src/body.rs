@@ -1,8 +1,8 @@
 //! Bodies in three dimensions, and their sections.
 
-use crate::driven::Driven;
+use crate::driven::LoadedTrial;
 use crate::{Refused, Reply, require, within};
-use lemons_people::{Body3d, Figure, MeshPart, Person, Polygon, packed};
+use lemons_people::{Body3d, BodySlice, Figure, MeshPart, Person, packed};
 use serde::Serialize;
 
 /// Most people whose bodies are shown: a quarter of a MB each.
@@ -63,7 +63,7 @@ pub fn section_of(person: &Person, altitude: f64) -> Result<Vec<Vec<[f64; 2]>>, 
     Ok(outlines(&Body3d::of(person)?.slice_at(altitude)))
 }
 
-fn outlines(polygons: &[Polygon]) -> Vec<Vec<[f64; 2]>> {
+fn outlines(polygons: &[BodySlice]) -> Vec<Vec<[f64; 2]>> {
     polygons.iter().map(|polygon| polygon.points.iter().map(|p| [p.x, p.y]).collect()).collect()
 }
 
@@ -71,7 +71,7 @@ fn outlines(polygons: &[Polygon]) -> Vec<Vec<[f64; 2]>> {
 ///
 /// # Errors
 /// There are too many people.
-pub fn of_everybody(of: &Driven) -> Result<Vec<Option<Figure>>, Refused> {
+pub fn of_everybody(of: &LoadedTrial) -> Result<Vec<Option<Figure>>, Refused> {
     let agents = &of.trial.agents;
     let count = agents.len();
     require(count <= MOST, || format!("bodies of {count} people are too many: at most {MOST}"))?;
@@ -90,11 +90,11 @@ fn without(figures: &[Option<Figure>]) -> usize {
 ///
 /// # Errors
 /// The altitude is out of range.
-pub fn sections(of: &Driven, bodies: &[Option<Figure>], altitude: f64) -> Result<Reply, Refused> {
+pub fn sections(of: &LoadedTrial, bodies: &[Option<Figure>], altitude: f64) -> Result<Reply, Refused> {
     within("altitude [m]", altitude, [0.0, 3.0])?;
     let slice = |of: &Option<Figure>| of.as_ref().map_or(Vec::new(), |figure| figure.slice_at(altitude));
-    let slices: Vec<Vec<Polygon>> = bodies.iter().map(slice).collect();
-    let area: f64 = slices.iter().flatten().map(Polygon::area).sum();
+    let slices: Vec<Vec<BodySlice>> = bodies.iter().map(slice).collect();
+    let area: f64 = slices.iter().flatten().map(BodySlice::area).sum();
     let cut = slices.iter().filter(|polygons| !polygons.is_empty()).count();
     let (estimated, without) = (of.people.is_none(), without(bodies));
     let bodies = slices.iter().map(|polygons| outlines(polygons)).collect();
@@ -105,7 +105,7 @@ pub fn sections(of: &Driven, bodies: &[Option<Figure>], altitude: f64) -> Result
 ///
 /// # Errors
 /// The numbers cannot be written.
-pub fn surfaces(of: &Driven, figures: &[Option<Figure>]) -> Result<Reply, Refused> {
+pub fn surfaces(of: &LoadedTrial, figures: &[Option<Figure>]) -> Result<Reply, Refused> {
     let mut bytes = Vec::new();
     let mut all = |parts: fn(&Figure) -> Vec<MeshPart>| -> Vec<[usize; 2]> {
         let of_one = |figure: &Option<Figure>| {

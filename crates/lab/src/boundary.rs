@@ -7,7 +7,7 @@
 
 use crate::{Lab, Reply, Request};
 use lemons_core::files::words::shortened;
-use lemons_people::placing::Progress;
+use lemons_people::placing::PlacingProgress;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::ops::ControlFlow;
@@ -83,7 +83,7 @@ fn joined(value: &Value, bytes: &[u8]) -> Vec<u8> {
 }
 
 /// The page's number of a stage; 5 is that of a run that is computed again, which has no overlap (`files`).
-fn number_of(of: &Progress) -> u32 {
+fn number_of(of: &PlacingProgress) -> u32 {
     if of.overlap.is_nan() { 5 } else { of.stage as u32 }
 }
 

@@ -1,12 +1,12 @@
 //! A crowd: a scenario -> a Trial.
 
-use crate::driven::{Basis, Driven, PlacedCrowd};
+use crate::driven::{LoadedTrial, PlacedCrowd, UneditedTrial};
 use crate::reply::{told, words};
 use crate::{Refused, room, within};
 use lemons_core::files::source::Memory;
 use lemons_people::CrowdStatistics;
 use lemons_people::placing::Watch;
-use lemons_scenario::{Made, Scenario};
+use lemons_scenario::{Scenario, ScenarioDocuments};
 use std::path::Path;
 
 /// Largest number of people: what a page can pack and show.
@@ -19,7 +19,11 @@ pub const LARGEST_SEED: u64 = (1 << 53) - 1;
 ///
 /// # Errors
 /// A number is out of range, there is no room, or `watch` stopped the placing.
-pub fn crowd(scenario: &Scenario, files: &[(&str, &[u8])], watch: &mut Watch) -> Result<Basis, Refused> {
+pub fn crowd(
+    scenario: &Scenario,
+    files: &[(&str, &[u8])],
+    watch: &mut Watch,
+) -> Result<UneditedTrial, Refused> {
     let mut memory = Memory::default();
     files.iter().for_each(|(name, file)| memory.put(Path::new(name), file.to_vec()));
     made(scenario, None, &memory, watch)
@@ -29,16 +33,21 @@ pub fn crowd(scenario: &Scenario, files: &[(&str, &[u8])], watch: &mut Watch) ->
 ///
 /// # Errors
 /// As those of [`Scenario::read`] and [`Scenario::documents`].
-pub fn of_file(path: &Path, files: &Memory, watch: &mut Watch) -> Result<Basis, Refused> {
+pub fn of_file(path: &Path, files: &Memory, watch: &mut Watch) -> Result<UneditedTrial, Refused> {
     let scenario = Scenario::read(files, path).map_err(told)?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     made(&scenario, name, files, watch).map_err(|Refused(why)| Refused(format!("{}: {why}", path.display())))
 }
 
-fn made(of: &Scenario, name: Option<String>, files: &Memory, watch: &mut Watch) -> Result<Basis, Refused> {
+fn made(
+    of: &Scenario,
+    name: Option<String>,
+    files: &Memory,
+    watch: &mut Watch,
+) -> Result<UneditedTrial, Refused> {
     within("seed", of.seed() as f64, [0.0, LARGEST_SEED as f64])?;
     room::check_drawn(of)?;
-    let Made { mut trial, agents, crowd, place, drive, decision, notes } =
+    let ScenarioDocuments { mut trial, agents, crowd, place, drive, decision, notes } =
         of.documents("", MOST_PEOPLE, files, watch).map_err(told)?;
     trial.name = name.unwrap_or_else(|| format!("crowd_{}_seed_{}", agents.len(), of.seed()));
     let packing = &crowd.packing;
@@ -50,7 +59,7 @@ fn made(of: &Scenario, name: Option<String>, files: &Memory, watch: &mut Watch) 
         statistics: CrowdStatistics::of(&agents),
     };
     let notes = notes.iter().map(|note| words(note)).collect();
-    let mut driven = Driven::alone(trial, Some(agents));
+    let mut driven = LoadedTrial::alone(trial, Some(agents));
     driven.push(drive);
-    Ok(Basis { driven: driven.decided(decision.map(|(config, _)| config))?, notes, made: Some(made) })
+    Ok(UneditedTrial { driven: driven.decided(decision.map(|(config, _)| config))?, notes, made: Some(made) })
 }

@@ -3,17 +3,17 @@
 use crate::Refused;
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::{DecisionConfig, Plan};
-use lemons_people::{Agent, CrowdStatistics};
+use lemons_people::{CrowdMember, CrowdStatistics};
 use lemons_sim::Documents;
 use serde::Serialize;
 
 /// A Trial, what is known of its people, and what drives them.
 #[derive(Debug, Clone)]
-pub struct Driven {
+pub struct LoadedTrial {
     /// The Trial.
     pub trial: Trial,
     /// Everybody, if the lab has made them.
-    pub people: Option<Vec<Agent>>,
+    pub people: Option<Vec<CrowdMember>>,
     /// The text of its drive.csv; empty if it has none.
     pub drive: String,
     /// The same, read.
@@ -37,25 +37,25 @@ pub(crate) struct PlacedCrowd {
 
 /// A Trial before edits.
 #[derive(Debug, Clone)]
-pub struct Basis {
+pub struct UneditedTrial {
     /// The Trial.
-    pub driven: Driven,
+    pub driven: LoadedTrial,
     /// Warnings.
     pub notes: Vec<String>,
     /// The placing of a crowd.
     pub(crate) made: Option<PlacedCrowd>,
 }
 
-impl Driven {
+impl LoadedTrial {
     /// A Trial that only its AgentDynamics.xml drives.
-    pub fn alone(trial: Trial, people: Option<Vec<Agent>>) -> Driven {
+    pub fn alone(trial: Trial, people: Option<Vec<CrowdMember>>) -> LoadedTrial {
         let (drive, wishes) = (String::new(), String::new());
-        Driven { trial, people, drive, table: DriveTable::default(), wishes, plan: None }
+        LoadedTrial { trial, people, drive, table: DriveTable::default(), wishes, plan: None }
     }
 
     /// Returns what is simulated.
     pub fn documents(&self) -> Documents {
-        let Driven { trial, table, plan, .. } = self.clone();
+        let LoadedTrial { trial, table, plan, .. } = self.clone();
         Documents { trial, drive: table, plan }
     }
 
@@ -63,10 +63,10 @@ impl Driven {
     ///
     /// # Errors
     /// They do not fit to the Trial.
-    pub fn decided(self, config: Option<DecisionConfig>) -> Result<Driven, Refused> {
+    pub fn decided(self, config: Option<DecisionConfig>) -> Result<LoadedTrial, Refused> {
         let plan = config.as_ref().map(|config| Plan::of(&self.trial, config)).transpose()?;
         let wishes = config.as_ref().map(DecisionConfig::to_toml).transpose()?.unwrap_or_default();
-        Ok(Driven { plan, wishes, ..self })
+        Ok(LoadedTrial { plan, wishes, ..self })
     }
 
     /// Takes a drive.

@@ -1,6 +1,6 @@
 //! Changes by hand: people are moved, copied, put there, taken away; the walls of a Trial are others.
 
-use crate::driven::Driven;
+use crate::driven::LoadedTrial;
 use crate::frame::overlapping;
 use crate::person::PersonRequest;
 use crate::{Refused, require, room, within};
@@ -40,7 +40,11 @@ pub enum Edit {
 /// # Errors
 /// There is nobody with an Id, an Id is there already, nobody would be left, a measure is no person's, or a number is
 /// not finite.
-pub fn edited(mut driven: Driven, edits: &[Edit], crowd: Option<&Scenario>) -> Result<Driven, Refused> {
+pub fn edited(
+    mut driven: LoadedTrial,
+    edits: &[Edit],
+    crowd: Option<&Scenario>,
+) -> Result<LoadedTrial, Refused> {
     require(edits.len() <= MOST, || format!("{} changes by hand: at most {MOST}", edits.len()))?;
     for edit in edits {
         change(&mut driven, edit, crowd)?;
@@ -67,10 +71,10 @@ pub fn room_of(edits: &[Edit]) -> Option<&Room> {
 /// # Errors
 /// Nobody would be left, or too many people are at one place.
 pub fn fitting(
-    before: &Driven,
+    before: &LoadedTrial,
     edits: &[Edit],
     crowd: Option<&Scenario>,
-) -> Result<(Driven, BTreeMap<usize, String>), Refused> {
+) -> Result<(LoadedTrial, BTreeMap<usize, String>), Refused> {
     let mut left_out = BTreeMap::new();
     loop {
         let mut made = Vec::new();
@@ -112,7 +116,7 @@ impl Edit {
     }
 }
 
-fn change(driven: &mut Driven, edit: &Edit, crowd: Option<&Scenario>) -> Result<(), Refused> {
+fn change(driven: &mut LoadedTrial, edit: &Edit, crowd: Option<&Scenario>) -> Result<(), Refused> {
     let place_of = |id: &String| {
         let place = driven.trial.agents.iter().position(|agent| agent.id == *id);
         place.ok_or_else(|| Refused(format!("there is nobody with the Id {id:?}")))
@@ -138,7 +142,7 @@ fn change(driven: &mut Driven, edit: &Edit, crowd: Option<&Scenario>) -> Result<
             let (person, here) = (person.person()?, pose(*x, *y, *theta)?);
             let round = crowd.is_some_and(|scenario| scenario.round);
             let (agent, drive) = measured(&driven.trial, &person, round)?;
-            put(driven, id, agent, Some(lemons_people::Agent::Pedestrian(person)), drive, here)?;
+            put(driven, id, agent, Some(lemons_people::CrowdMember::Pedestrian(person)), drive, here)?;
         }
         Edit::Delete { id } => {
             let place = place_of(id)?;
@@ -164,7 +168,7 @@ fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, Agent
     let own = materials.clone().find(|id| !PART_MATERIALS.contains(&&***id));
     // Where all sit in wheelchairs, nobody has a material.
     let material_id = own.map_or(SKINS[0], |id| id);
-    let disk = |disk: &Disk| lemons_core::trial::Shape {
+    let disk = |disk: &Disk| lemons_core::trial::ShapeElement {
         radius: disk.radius,
         material_id: material_id.to_owned(),
         position: disk.centre,
@@ -183,10 +187,10 @@ fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, Agent
 
 /// Somebody more, at rest.
 fn put(
-    driven: &mut Driven,
+    driven: &mut LoadedTrial,
     id: &str,
     agent: Agent,
-    person: Option<lemons_people::Agent>,
+    person: Option<lemons_people::CrowdMember>,
     drive: AgentDynamics,
     (position, theta): (Vec2, f64),
 ) -> Result<(), Refused> {

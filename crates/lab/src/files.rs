@@ -1,20 +1,20 @@
 //! Files to keep: a Trial as a zip, as an FMU; tables, pictures, bodies.
 
 use crate::base::split;
-use crate::driven::Driven;
+use crate::driven::LoadedTrial;
 use crate::frame::{feet, frame, numbers};
-use crate::run::Run;
+use crate::run::LabRun;
 use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::PairForce;
-use crowd_mechanics::pack::{Binary, Format, Naming, Package, THIRD_PARTY};
+use crowd_mechanics::pack::{Binary, FmuFormat, Naming, Package, THIRD_PARTY};
 use lemons_core::files::source::Memory;
 use lemons_core::trial::DRIVE_FILE;
 use lemons_decision::DECISION_FILE;
-use lemons_people::placing::{Progress, Stage, Watch};
+use lemons_people::placing::{PlacingProgress, Stage, Watch};
 use lemons_people::{MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
-use lemons_picture::{ColourMap, Fill, Force, Scene, Style, Values};
+use lemons_picture::{ColourMap, DrawnForce, Fill, PictureScene, Style, Values};
 use lemons_results::columns::{ALL, Groups};
-use lemons_results::{Content, Frame, FrameWriter, TableWriter};
+use lemons_results::{Frame, FrameWriter, TableContent, TableWriter};
 use lemons_sim::{Simulation, Stepper};
 use serde::{Deserialize, Serialize};
 use std::io::Cursor;
@@ -93,9 +93,9 @@ pub(crate) struct NamedFile {
 ///
 /// # Errors
 /// It cannot be made of this run, the bytes are not what is said, or `watch` stopped it.
-pub fn file(wanted: &FileRequest, run: &Run, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
+pub fn file(wanted: &FileRequest, run: &LabRun, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
     let of = &run.driven;
-    let Driven { trial, drive, wishes, people, .. } = of;
+    let LoadedTrial { trial, drive, wishes, people, .. } = of;
     let named =
         |end: &str, bytes: Vec<u8>| Reply::with(NamedFile { name: format!("{}{end}", trial.name) }, bytes);
     match wanted {
@@ -107,8 +107,8 @@ pub fn file(wanted: &FileRequest, run: &Run, bytes: &[u8], watch: &mut Watch) ->
         }
         FileRequest::Fmu { version, binaries } => {
             let format = match version {
-                2 => Format::Fmi2(Naming::default()),
-                3 => Format::Fmi3,
+                2 => FmuFormat::Fmi2(Naming::default()),
+                3 => FmuFormat::Fmi3,
                 _ => return Err(Refused(format!("FMI {version}: the versions are 2 and 3"))),
             };
             named(".fmu", fmu(of, format, &split(binaries, bytes)?)?)
@@ -132,7 +132,7 @@ pub fn file(wanted: &FileRequest, run: &Run, bytes: &[u8], watch: &mut Watch) ->
     }
 }
 
-fn fmu(of: &Driven, format: Format, binaries: &[(&str, &[u8])]) -> Result<Vec<u8>, Refused> {
+fn fmu(of: &LoadedTrial, format: FmuFormat, binaries: &[(&str, &[u8])]) -> Result<Vec<u8>, Refused> {
     let place = Path::new(&of.trial.name);
     let mut files = Memory::default();
     for (path, text) in of.trial.texts(place) {
@@ -157,7 +157,7 @@ fn fmu(of: &Driven, format: Format, binaries: &[(&str, &[u8])]) -> Result<Vec<u8
 }
 
 /// Everybody's surface in a frame.
-fn mesh(run: &Run, bytes: &[u8]) -> Result<Vec<MeshPart>, Refused> {
+fn mesh(run: &LabRun, bytes: &[u8]) -> Result<Vec<MeshPart>, Refused> {
     let people = run.people();
     require(people <= MOST_BODIES, || {
         format!(
@@ -175,15 +175,15 @@ fn mesh(run: &Run, bytes: &[u8]) -> Result<Vec<MeshPart>, Refused> {
 }
 
 /// A picture of a frame, and a number for each agent.
-fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused> {
+fn svg(wanted: &PictureStyle, run: &LabRun, bytes: &[u8]) -> Result<String, Refused> {
     let (trial, people) = (&run.driven.trial, run.people());
     let short = || Refused("the picture needs a frame, and a number for each agent".into());
     let (shown, values) = bytes.split_at_checked(bytes.len().saturating_sub(8 * people)).ok_or_else(short)?;
     let frame = Frame { time: wanted.time, ..frame(shown, people)? };
-    let mut scene = Scene::new(trial, frame.agents.iter().map(|motion| motion.pose).collect());
+    let mut scene = PictureScene::new(trial, frame.agents.iter().map(|motion| motion.pose).collect());
     scene.feet = feet(shown);
     if wanted.forces {
-        let force = |of: PairForce| Force { from: of.from, to: of.to, normal_force: of.normal_force };
+        let force = |of: PairForce| DrawnForce { from: of.from, to: of.to, normal_force: of.normal_force };
         scene.forces = run.pair_forces(&frame)?.into_iter().map(force).collect();
     }
     let map = if wanted.from_grey { ColourMap::FromGrey } else { ColourMap::Viridis };
@@ -197,8 +197,8 @@ fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused
 }
 
 /// The table of `lemons run`, computed again from the start.
-fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused> {
-    let mut run = Run::begin(of.clone())?;
+fn table(of: &LoadedTrial, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused> {
+    let mut run = LabRun::begin(of.clone())?;
     run.check_work()?;
     // A row has about 200 bytes.
     require(200 * run.people() as u64 * u64::from(steps) <= LARGEST_TABLE, || {
@@ -206,9 +206,9 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
     })?;
     let legs = of.plan.as_ref().is_some_and(|plan| plan.balance.is_some());
     let groups = Groups { active: of.plan.is_some(), legs, ..ALL };
-    let content = Content { columns: groups.columns(), about: Vec::new() };
+    let content = TableContent { columns: groups.columns(), about: Vec::new() };
     let (file, path) = (Cursor::new(Vec::new()), Path::new("the table"));
-    let writer = TableWriter::create(file, path, lemons_results::Format::Csv, &content)?;
+    let writer = TableWriter::create(file, path, lemons_results::TableFormat::Csv, &content)?;
     let ids = of.trial.agents.iter().map(|agent| agent.id.clone()).collect();
     let mut writer = FrameWriter::new(writer, ids, groups);
     writer.frame(&run.simulation.frame())?;
@@ -216,7 +216,8 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
         frames.iter().try_for_each(|frame| writer.frame(frame))?;
         let (iteration, limit) = (run.steps(), steps.into());
         // Without a stage of its own: the page knows it by the overlap.
-        let progress = Progress { stage: Stage::Growing, iteration, limit, overlap: f64::NAN, density: 0.0 };
+        let progress =
+            PlacingProgress { stage: Stage::Growing, iteration, limit, overlap: f64::NAN, density: 0.0 };
         require(watch(&progress).is_continue(), || "the table was stopped".to_owned())?;
         Ok::<_, Refused>(ControlFlow::Continue(()))
     };

@@ -7,7 +7,7 @@ use lemons_core::plane::{InPlane, Motion, Pose, Twist, Vec2, vec2};
 use lemons_core::trial::{Interactions, Trial};
 use lemons_people::placing::TOLERANCE;
 use lemons_results::Frame;
-use lemons_results::measure::{Line, Way};
+use lemons_results::measure::{CountingLine, Way};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -128,7 +128,7 @@ pub fn flow(people: usize, line: [[f64; 2]; 2], bytes: &[u8]) -> Result<Reply, R
         format!("{} bytes are not frames of {people} people", bytes.len())
     })?;
     let [from, to] = line.map(Vec2::from);
-    let line = Line { from, to };
+    let line = CountingLine { from, to };
     let frames = bytes.chunks_exact(size).map(|bytes| frame(bytes, people)).collect::<Result<Vec<_>, _>>()?;
     let mut crossings = Vec::new();
     for (k, pair) in frames.windows(2).enumerate() {

@@ -3,7 +3,9 @@
 use crate::{Refused, Reply};
 use lemons_core::plane::{Disk, Vec2};
 use lemons_core::trial::{Agent, Trial};
-use lemons_people::{Kind, Kinds, Member, PART_MATERIALS, Person, Population, Shape, Source, people_fitting};
+use lemons_people::{
+    Kinds, Member, PART_MATERIALS, Person, PersonKind, Population, PopulationSource, Shape, people_fitting,
+};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -34,9 +36,9 @@ pub fn all() -> Result<Reply, Refused> {
     Reply::of(shown?)
 }
 
-fn one(kinds: &Kinds, kind: &Kind) -> Result<KindShown, Refused> {
+fn one(kinds: &Kinds, kind: &PersonKind) -> Result<KindShown, Refused> {
     let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into())?;
-    let population = Population::new(Source::ansur()?, 0.5)?.mixed(mix);
+    let population = Population::new(PopulationSource::ansur()?, 0.5)?.mixed(mix);
     let agent = population.agents(1).next();
     let member = agent.as_ref().and_then(|agent| agent.member());
     let disks: Vec<[f64; 3]> =
@@ -63,7 +65,7 @@ pub fn parts(trial: &Trial) -> BTreeMap<String, Vec<String>> {
     let Ok(kinds) = Kinds::built_in() else { return BTreeMap::new() };
     let names: BTreeSet<&String> = trial.agents.iter().filter_map(|agent| agent.kind.as_ref()).collect();
     let named = names.into_iter().filter_map(|name| Some((name, kinds.get(name)?)));
-    let parts = |kind: &Kind| {
+    let parts = |kind: &PersonKind| {
         let child = kind.companion.map(|_| "child".to_owned());
         kind.parts.iter().map(|part| part.name.clone()).chain(child).collect()
     };
@@ -86,7 +88,7 @@ fn sitting(member: &Member) -> Option<Vec<[f64; 3]>> {
     disks_of(&member.kind, &member.people)
 }
 
-fn disks_of(kind: &Kind, people: &[(Person, Vec2)]) -> Option<Vec<[f64; 3]>> {
+fn disks_of(kind: &PersonKind, people: &[(Person, Vec2)]) -> Option<Vec<[f64; 3]>> {
     let (person, at) = people.first().filter(|_| kind.seated)?;
     let shape = Shape::of(person).ok()?;
     Some(shape.disks.iter().map(|disk| [disk.centre.x + at.x, disk.centre.y + at.y, disk.radius]).collect())

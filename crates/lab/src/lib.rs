@@ -39,8 +39,8 @@ pub mod scene;
 pub mod typescript;
 pub mod upload;
 
-use base::Base;
-use driven::Basis;
+use base::TrialSource;
+use driven::UneditedTrial;
 use lemons_core::require;
 use lemons_core::trial::Rule;
 use lemons_people::placing::Watch;
@@ -68,7 +68,7 @@ pub enum Request {
     /// The kinds of people that a crowd may have.
     Kinds {},
     /// A crowd, an example or an upload, as it is to be run.
-    Show(Box<Shown>),
+    Show(Box<SceneRequest>),
     /// A room that is drawn.
     Room(room::RoomRequest),
     /// The room in a Geometry.xml or a drawing (the bytes).
@@ -82,7 +82,7 @@ pub enum Request {
     /// Crossings of a line between successive frames (the bytes).
     Flow { run: u32, line: [[f64; 2]; 2] },
     /// Frames (the bytes) more in the map of a quantity, or in a new one.
-    Map { run: u32, of: map::Quantity, fresh: bool },
+    Map { run: u32, of: map::MapQuantity, fresh: bool },
     /// Squeezes (the bytes) more of people who may be above a limit.
     Limit(limit::LimitRequest),
     /// Everybody's section with a plane at this altitude.
@@ -95,10 +95,10 @@ pub enum Request {
 
 /// A scene that is to be run.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-pub struct Shown {
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(rename = "Shown"))]
+pub struct SceneRequest {
     /// Where it comes from. The bytes are its files.
-    pub base: Base,
+    pub base: TrialSource,
     /// Path and length of each table of a crowd.
     #[serde(default)]
     #[cfg_attr(feature = "typescript", ts(optional, as = "Option<Vec<(String, usize)>>"))]
@@ -115,7 +115,7 @@ pub struct Shown {
     #[cfg_attr(feature = "typescript", ts(optional))]
     pub mechanics: Option<mechanics::Mechanics>,
     /// The drive of people.
-    pub motion: motion::Motion,
+    pub motion: motion::MotionChoice,
 }
 
 /// The answer to [`Request::Show`].
@@ -133,12 +133,12 @@ struct Opened {
 #[derive(Default)]
 pub struct Lab {
     /// The Trial that was shown last, before edits, with a digest of its files: it need not be made again.
-    basis: Option<(Base, u64, Basis)>,
-    open: Option<run::Run>,
+    basis: Option<(TrialSource, u64, UneditedTrial)>,
+    open: Option<run::LabRun>,
     /// How many runs there were: the number of the present one.
     runs: u32,
     /// What is known of limits of the squeeze, by its number.
-    limits: BTreeMap<u32, limit::Known>,
+    limits: BTreeMap<u32, limit::LimitProgress>,
 }
 
 impl Lab {
@@ -178,7 +178,7 @@ impl Lab {
         }
     }
 
-    fn present(&mut self, run: u32) -> Result<&mut run::Run, Refused> {
+    fn present(&mut self, run: u32) -> Result<&mut run::LabRun, Refused> {
         let present = self.runs;
         match &mut self.open {
             Some(open) if run == present => Ok(open),
@@ -186,7 +186,7 @@ impl Lab {
         }
     }
 
-    fn show(&mut self, shown: &Shown, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
+    fn show(&mut self, shown: &SceneRequest, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
         let mut digest = DefaultHasher::new();
         (&shown.tables, bytes).hash(&mut digest);
         let digest = digest.finish();
@@ -208,13 +208,14 @@ impl Lab {
         let mut found = lint::of_documents(&documents, &files);
         found.extend(lint::of_step(&documents, documents.trial.parameters.time_step, &files));
         // What the user makes on the page is meant so.
-        found.retain(|of| of.rule != Rule::DriveAdded || matches!(shown.motion, motion::Motion::Own {}));
+        found
+            .retain(|of| of.rule != Rule::DriveAdded || matches!(shown.motion, motion::MotionChoice::Own {}));
         let mut notes = basis.notes.clone();
         notes.extend(found.iter().map(ToString::to_string));
         if edit::room_of(&shown.edits).is_some() {
             notes.extend(room::unfit(&basis.driven.trial, &driven.trial));
         }
-        let mut run = run::Run::begin(driven)?;
+        let mut run = run::LabRun::begin(driven)?;
         self.runs += 1;
         let mut scene = scene::of(&run);
         scene.run = self.runs;

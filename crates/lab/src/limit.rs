@@ -4,7 +4,7 @@
 
 use crate::frame::numbers;
 use crate::{Refused, Reply, require, within};
-use lemons_results::measure::{Above, Exposure};
+use lemons_results::measure::{Above, SqueezeOverTime};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -52,11 +52,11 @@ pub(crate) struct AboveLimit {
 }
 
 /// What is known of a limit so far.
-pub struct Known {
+pub struct LimitProgress {
     of: LimitRequest,
     /// Place of the next frame.
     next: u64,
-    exposure: Exposure,
+    exposure: SqueezeOverTime,
 }
 
 /// Adds frames. The bytes have a double for each person of each frame: the squeeze \[N\], not a number for who has left. The
@@ -65,7 +65,11 @@ pub struct Known {
 ///
 /// # Errors
 /// The bytes are no frames, or not those that are next.
-pub fn add(limits: &mut BTreeMap<u32, Known>, wanted: &LimitRequest, bytes: &[u8]) -> Result<Reply, Refused> {
+pub fn add(
+    limits: &mut BTreeMap<u32, LimitProgress>,
+    wanted: &LimitRequest,
+    bytes: &[u8],
+) -> Result<Reply, Refused> {
     let LimitRequest { number, people, step, limit, over, from } = *wanted;
     require(number < MOST, || format!("number {number}: must be below {MOST}"))?;
     within("communication step [s]", step, [1e-9, 1e9])?;
@@ -75,9 +79,11 @@ pub fn add(limits: &mut BTreeMap<u32, Known>, wanted: &LimitRequest, bytes: &[u8
         format!("{} bytes are not frames of {people} people", bytes.len())
     })?;
     let mut known = match limits.remove(&number) {
-        _ if from == 0 => {
-            Known { of: *wanted, next: 0, exposure: Exposure::new(people, &[limit], Some(over)) }
-        }
+        _ if from == 0 => LimitProgress {
+            of: *wanted,
+            next: 0,
+            exposure: SqueezeOverTime::new(people, &[limit], Some(over)),
+        },
         Some(known)
             if known.next == from && known.of == (LimitRequest { from: known.of.from, ..*wanted }) =>
         {

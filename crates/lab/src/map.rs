@@ -1,6 +1,6 @@
 //! Density and squeeze by place, over frames of a run.
 
-use crate::driven::Driven;
+use crate::driven::LoadedTrial;
 use crate::frame::numbers;
 use crate::{Refused, Reply, require};
 use lemons_core::plane::{Bounds, InPlane, Vec2, vec2};
@@ -15,9 +15,9 @@ const ROW: usize = 3;
 
 /// What a map shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(rename = "Quantity"))]
 #[serde(rename_all = "kebab-case")]
-pub enum Quantity {
+pub enum MapQuantity {
     /// People per m².
     Density,
     /// Mean and greatest squeeze.
@@ -34,27 +34,27 @@ pub enum Map {
 }
 
 impl Map {
-    fn quantity(&self) -> Quantity {
+    fn quantity(&self) -> MapQuantity {
         match self {
-            Map::Density(_) => Quantity::Density,
-            Map::Squeeze(_) => Quantity::Squeeze,
+            Map::Density(_) => MapQuantity::Density,
+            Map::Squeeze(_) => MapQuantity::Squeeze,
         }
     }
 
-    fn of(quantity: Quantity, driven: &Driven) -> Map {
+    fn of(quantity: MapQuantity, driven: &LoadedTrial) -> Map {
         let view = extent(driven);
         match quantity {
-            Quantity::Density => {
+            MapQuantity::Density => {
                 Map::Density(DensityMap::new(view, DENSITY_KERNEL, &driven.trial.geometry.walls))
             }
-            Quantity::Squeeze => Map::Squeeze(SqueezeMap::new(view)),
+            MapQuantity::Squeeze => Map::Squeeze(SqueezeMap::new(view)),
         }
     }
 }
 
 /// The part of the plane that maps show, in whole quarters of a metre: so cells of two runs in a room are the same.
-fn extent(driven: &Driven) -> Bounds {
-    let Driven { trial, plan, .. } = driven;
+fn extent(driven: &LoadedTrial) -> Bounds {
+    let LoadedTrial { trial, plan, .. } = driven;
     let corners = trial.geometry.walls.iter().flat_map(|wall| wall.corners.iter().copied());
     let people = trial.dynamics.iter().map(|here| here.position);
     let targets = plan.iter().flat_map(|plan| &plan.targets).flat_map(|target| &target.corners);
@@ -91,8 +91,8 @@ pub(crate) struct Grid {
 /// The bytes are no frames, or they should be added to a map of another quantity.
 pub fn add(
     of: &mut Option<Map>,
-    driven: &Driven,
-    quantity: Quantity,
+    driven: &LoadedTrial,
+    quantity: MapQuantity,
     fresh: bool,
     bytes: &[u8],
 ) -> Result<Reply, Refused> {

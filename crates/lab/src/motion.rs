@@ -1,7 +1,7 @@
 //! The drive of people: as the Trial says, nothing, pushes, ways to walk, or exits and goals. Those who walk and are of a
 //! kind have the desired speed of their kind.
 
-use crate::driven::Driven;
+use crate::driven::LoadedTrial;
 use crate::{Refused, require, within};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;
@@ -12,10 +12,10 @@ use serde::Deserialize;
 
 /// The drive of people.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(rename = "Motion"))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(missing_docs)] // as said
-pub enum Motion {
+pub enum MotionChoice {
     /// The Trial's own files do.
     Own {},
     /// Nothing does.
@@ -49,15 +49,15 @@ pub enum Motion {
 ///
 /// # Errors
 /// A number is out of range, nobody is in a circle, or there is no way.
-pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
-    if !matches!(motion, Motion::Own {}) {
-        driven = Driven::alone(driven.trial, driven.people);
+pub fn driven(mut driven: LoadedTrial, motion: &MotionChoice) -> Result<LoadedTrial, Refused> {
+    if !matches!(motion, MotionChoice::Own {}) {
+        driven = LoadedTrial::alone(driven.trial, driven.people);
         for here in &mut driven.trial.dynamics {
             (here.fp, here.mp) = (Vec2::zeros(), 0.0);
         }
     }
     let config = match motion {
-        Motion::Own {} => {
+        MotionChoice::Own {} => {
             // The files of a Trial must not name people who are not there any more.
             if driven.table.check_agents(Some(&driven.trial)).is_err() {
                 driven.push(driven.table.of_those(&driven.trial));
@@ -66,20 +66,20 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
             let config = (!text.is_empty()).then(|| DecisionConfig::from_toml(&text)).transpose()?;
             let fewer = config.as_ref().and_then(|config| config.without_others(&driven.trial.agents));
             if fewer.is_none() {
-                return Ok(Driven { wishes: text, ..driven.decided(config)? });
+                return Ok(LoadedTrial { wishes: text, ..driven.decided(config)? });
             }
             fewer
         }
-        Motion::None {} => None,
-        Motion::Push { pushes, balance } => {
+        MotionChoice::None {} => None,
+        MotionChoice::Push { pushes, balance } => {
             driven.push(lemons_scenario::drive(&driven.trial, pushes)?);
             (*balance != BalanceName::None).then(|| DecisionConfig::standing(*balance))
         }
-        Motion::Walk { speed, ways, shares, seed } => {
+        MotionChoice::Walk { speed, ways, shares, seed } => {
             let shares = shares.as_deref().map(|shares| (shares, *seed));
             Some(wishes(&driven.trial, *speed, ways, shares)?.with_speeds(own_speeds(&driven)))
         }
-        Motion::Go { wishes } => {
+        MotionChoice::Go { wishes } => {
             let wishes = wishes.as_ref().clone().with_speeds(own_speeds(&driven));
             Some(plan::normalized(&driven.trial, &wishes)?)
         }
@@ -88,7 +88,7 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
 }
 
 /// As [`lemons_scenario::own_speeds`], if people are known.
-fn own_speeds(of: &Driven) -> Vec<(String, f64)> {
+fn own_speeds(of: &LoadedTrial) -> Vec<(String, f64)> {
     of.people.as_ref().map_or_else(Vec::new, |people| lemons_scenario::own_speeds(people, &of.trial))
 }
 

@@ -2,7 +2,7 @@
 
 use crate::body::section_of;
 use crate::{Refused, Reply, within};
-use lemons_people::{BICYCLE_MEASURES, Bicycle, Measure, Person, Sex, Shape, ansur};
+use lemons_people::{BICYCLE_MEASURES, Bicycle, BodyMeasure, Person, Sex, Shape, ansur};
 use serde::{Deserialize, Serialize};
 
 /// A person's sex and measures.
@@ -32,7 +32,7 @@ impl PersonRequest {
     pub fn person(&self) -> Result<Person, Refused> {
         let given = [self.breadth, self.depth, self.stature, self.mass];
         let mut measures = [0.0; 4];
-        for (k, measure) in Measure::ALL.into_iter().enumerate() {
+        for (k, measure) in BodyMeasure::ALL.into_iter().enumerate() {
             let value = given[k].unwrap_or_else(|| ansur(self.sex).measures[k].quantile(0.5));
             let name = format!("{} [{}]", measure.name(), measure.unit());
             measures[k] = within(&name, value, measure.possible())?;
@@ -93,7 +93,7 @@ pub fn person(wanted: &PersonRequest) -> Result<Reply, Refused> {
     let (sex, person, survey) = (wanted.sex, wanted.person()?, ansur(wanted.sex));
     let measures = person.measures();
     let shape = Shape::of(&person)?;
-    let about = |(k, measure): (usize, &Measure)| {
+    let about = |(k, measure): (usize, &BodyMeasure)| {
         let of = &survey.measures[k];
         MeasureShown {
             name: measure.name(),
@@ -106,7 +106,7 @@ pub fn person(wanted: &PersonRequest) -> Result<Reply, Refused> {
     };
     Reply::of(PersonShown {
         sex,
-        measures: Measure::ALL.iter().enumerate().map(about).collect(),
+        measures: BodyMeasure::ALL.iter().enumerate().map(about).collect(),
         disks: shape.disks.iter().map(|disk| [disk.centre.x, disk.centre.y, disk.radius]).collect(),
         area: shape.moments().area,
         inertia: shape.inertia(person.mass),

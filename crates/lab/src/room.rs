@@ -6,11 +6,12 @@ use crate::{Refused, Reply, require, within};
 use crowd_mechanics::setup::Setup;
 use lemons_core::files::source::Memory;
 use lemons_core::plane::{Bounds, Ring, Vec2};
-use lemons_core::trial::{Contact, FARTHEST, Geometry, Trial};
+use lemons_core::trial::{ContactCoefficients, FARTHEST, Geometry, Trial};
 use lemons_people::drawing::{
-    Drawing, Format, Gap, LARGEST_DRAWING, Layer, Leads, Place, Plan, PlanSettings, Proposal, Read, sizes,
+    Drawing, DrawingFormat, FloorPlan, Gap, LARGEST_DRAWING, Layer, Leads, NamedPlace, PlanSettings,
+    Proposal, Read, sizes,
 };
-use lemons_people::room::{Edit, Room};
+use lemons_people::room::{Room, RoomEdit};
 use lemons_people::{Door, PeopleError, nearest_wall};
 use lemons_scenario::{DrawingForm, RegionForm, Scenario, WALLS};
 use serde::{Deserialize, Serialize};
@@ -30,7 +31,7 @@ pub struct RoomRequest {
     /// As it was.
     pub room: Room,
     /// A change of it.
-    pub edit: Option<Edit>,
+    pub edit: Option<RoomEdit>,
     /// \[m\] A place: where is the nearest wall?
     pub near: Option<[f64; 2]>,
 }
@@ -131,11 +132,9 @@ pub fn replacing(room: &Room, trial: &Trial) -> Result<Geometry, Refused> {
     let of_people: BTreeSet<&str> =
         trial.agents.iter().flat_map(|agent| &agent.shapes).map(|disk| &*disk.material_id).collect();
     let touches = |one: &str, other: &str| {
-        trial
-            .materials
-            .binary
-            .iter()
-            .any(|Contact { id1, id2, .. }| (id1 == one && id2 == other) || (id1 == other && id2 == one))
+        trial.materials.binary.iter().any(|ContactCoefficients { id1, id2, .. }| {
+            (id1 == one && id2 == other) || (id1 == other && id2 == one)
+        })
     };
     let mut known: Vec<&str> = trial.materials.intrinsic.iter().map(|material| &*material.id).collect();
     known.sort_by_key(|id| *id != WALLS);
@@ -249,7 +248,7 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
         format!("{name}: {} doors: at most {MOST_DOORS} are allowed", doors.len())
     })?;
     let (mut doubt, mut proposal) = (None, None);
-    let (mut plan, said, layers) = if let Some(format) = Format::of(Path::new(name)) {
+    let (mut plan, said, layers) = if let Some(format) = DrawingFormat::of(Path::new(name)) {
         form.check().map_err(told)?;
         require(bytes.len() as u64 <= LARGEST_DRAWING, || {
             format!("{name}: more than {} MB", LARGEST_DRAWING / 1_000_000)
@@ -272,7 +271,7 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
         let (geometry, warnings) = Geometry::read_from(&files, Path::new(name))?;
         let said: Vec<_> =
             warnings.iter().map(|warning| ("warning".to_owned(), warning.to_string())).collect();
-        (Plan::of_geometry(&geometry, Vec::new()), said, Vec::new())
+        (FloorPlan::of_geometry(&geometry, Vec::new()), said, Vec::new())
     };
     for door in doors {
         plan.add_door(door).map_err(|error| wrong(error.to_string()))?;
@@ -290,7 +289,7 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
     }
     let lines = room.as_ref().map_or_else(|| Ok(Vec::new()), Room::lines)?;
     let doors: BTreeMap<usize, Door> = plan.doors().into_iter().collect();
-    let exit = |(k, Place { name, corners }): (usize, &Place)| {
+    let exit = |(k, NamedPlace { name, corners }): (usize, &NamedPlace)| {
         let beyond = doors.get(&k).and_then(|door| door.exit(&lines, std::iter::empty()));
         let corners = beyond.map_or_else(|| corners.clone(), |line| line.to_vec());
         ExitFound { name: name.clone(), corners: points(&corners) }

@@ -1,7 +1,7 @@
 //! A Trial, moving.
 
 use crate::body;
-use crate::driven::Driven;
+use crate::driven::LoadedTrial;
 use crate::frame::{self, COLUMNS};
 use crate::map::Map;
 use crate::{Refused, Reply, require};
@@ -32,9 +32,9 @@ pub(crate) struct Advanced {
 }
 
 /// A Trial and its simulation.
-pub struct Run {
+pub struct LabRun {
     /// What runs.
-    pub driven: Driven,
+    pub driven: LoadedTrial,
     /// Its simulation.
     pub simulation: Simulation,
     points: Stepper,
@@ -46,18 +46,18 @@ pub struct Run {
     pub map: Option<Map>,
 }
 
-impl Run {
+impl LabRun {
     /// At the Trial's beginning.
     ///
     /// # Errors
     /// Materials that can touch have no usable contact, too many people are at one place, or no ways to exits and goals
     /// can be found.
-    pub fn begin(driven: Driven) -> Result<Run, Refused> {
+    pub fn begin(driven: LoadedTrial) -> Result<LabRun, Refused> {
         let mut simulation = Simulation::new(driven.documents(), Algorithm::Jacobi)?;
         simulation.begin(0.0, None)?;
         // Communication points are multiples, as those of `lemons run`.
         let points = Stepper::new(Clock::endless(0.0, driven.trial.parameters.time_step), 1, None);
-        Ok(Run { driven, simulation, points, overlap: 0.0, bodies: OnceCell::new(), map: None })
+        Ok(LabRun { driven, simulation, points, overlap: 0.0, bodies: OnceCell::new(), map: None })
     }
 
     /// Everybody in three dimensions, with what goes along.

@@ -3,7 +3,7 @@
 use crate::frame::overlapping;
 use crate::kinds;
 use crate::mechanics::{Contact, Material2d};
-use crate::run::Run;
+use crate::run::LabRun;
 use crowd_mechanics::setup::Setup;
 use lemons_core::trial;
 use lemons_decision::rule::Waypoint;
@@ -98,7 +98,7 @@ struct PersonDrawn {
 /// kind with what goes along ([`kinds`]), its desired speed \[m/s\], and measures where they are known; who overlaps; who
 /// is pushed; ways, exits and goals of those who walk, and how many leave; the steps, materials and contacts. Of a run at
 /// its start; [`crate::Lab`] adds its number, warnings, and lines beyond doors.
-pub(crate) fn of(run: &Run) -> Scene {
+pub(crate) fn of(run: &LabRun) -> Scene {
     let driven = &run.driven;
     let trial = &driven.trial;
     let agent = |(k, agent): (usize, &trial::Agent)| {
@@ -121,7 +121,7 @@ pub(crate) fn of(run: &Run) -> Scene {
         corners: wall.corners.iter().copied().map(Into::into).collect(),
         open: wall.open.clone(),
     };
-    let person = |agent: &lemons_people::Agent| {
+    let person = |agent: &lemons_people::CrowdMember| {
         let Person { sex, breadth, depth, stature, mass } = *agent.everybody().first()?;
         Some(PersonDrawn { sex, breadth, depth, stature, mass })
     };
@@ -142,7 +142,7 @@ pub(crate) fn of(run: &Run) -> Scene {
         let pair = [&*of.id1, &*of.id2];
         pair.iter().all(|id| used.contains(id)) && pair.iter().any(|id| of_people.contains(id))
     });
-    let contact = |of: &trial::Contact| Contact {
+    let contact = |of: &trial::ContactCoefficients| Contact {
         id1: of.id1.clone(),
         id2: of.id2.clone(),
         gamma_normal: of.gamma_normal,

@@ -1,10 +1,10 @@
 //! A zip or a folder -> a Trial; and the Trials that come with the lab.
 
-use crate::driven::{Basis, Driven};
+use crate::driven::{LoadedTrial, UneditedTrial};
 use crate::{Refused, require};
 use crowd_mechanics::setup;
 use lemons_core::files::input::{self, Bounded};
-use lemons_core::files::source::{Memory, Source};
+use lemons_core::files::source::{FileSource, Memory};
 use lemons_core::trial::{DRIVE_FILE, DriveTable, FileNames, Parameters};
 use lemons_decision::DECISION_FILE;
 use std::io::{Cursor, Read as _};
@@ -40,7 +40,7 @@ pub const EXAMPLES: [(&str, &[(&str, &str)]); 1] = [(
 ///
 /// # Errors
 /// There is none with this name.
-pub fn example(name: &str) -> Result<Basis, Refused> {
+pub fn example(name: &str) -> Result<UneditedTrial, Refused> {
     let known = EXAMPLES.iter().find(|example| example.0 == name);
     let (name, texts) = known.ok_or_else(|| Refused(format!("there is no example {name:?}")))?;
     let mut files = Memory::default();
@@ -140,7 +140,7 @@ fn listed(paths: &[impl AsRef<Path>]) -> String {
 /// # Errors
 /// It is too large, it holds no Trial or several, or the Trial has errors: all of them, with file, element, attribute and
 /// value.
-pub fn open(name: &str, files: &[(&str, &[u8])], largest: u64) -> Result<Basis, Refused> {
+pub fn open(name: &str, files: &[(&str, &[u8])], largest: u64) -> Result<UneditedTrial, Refused> {
     let wrong = |why: String| Refused(format!("{name}: {why}"));
     let mut content = content(files, largest).map_err(wrong)?;
     let (mut notes, parameters) = (Vec::new(), content.place("Parameters.xml").map_err(wrong)?);
@@ -231,7 +231,7 @@ fn with_parameters(content: &mut Content, notes: &mut Vec<String>) -> Result<Pat
     Ok(common)
 }
 
-fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<Basis, Refused> {
+fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<UneditedTrial, Refused> {
     let (trial, warnings) = setup::read_from(files, place, &FileNames::default())?;
     let people = trial.agents.len();
     require(people <= MOST_PEOPLE, || {
@@ -245,13 +245,16 @@ fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<Basis, R
         let bytes = files.read(&path, LARGEST_CONTENT)?;
         String::from_utf8(bytes).map_err(|error| Refused(format!("{}: {error}", path.display())))
     };
-    let mut driven =
-        Driven { drive: text(DRIVE_FILE)?, wishes: text(DECISION_FILE)?, ..Driven::alone(trial, None) };
+    let mut driven = LoadedTrial {
+        drive: text(DRIVE_FILE)?,
+        wishes: text(DECISION_FILE)?,
+        ..LoadedTrial::alone(trial, None)
+    };
     if !driven.drive.is_empty() {
         let table = DriveTable::from_csv(driven.drive.as_bytes())
             .and_then(|table| table.check_agents(Some(&driven.trial)).map(|()| table));
         driven.table = table.map_err(|error| error.of_file(&place.join(DRIVE_FILE)))?;
     }
     notes.extend(warnings.iter().map(ToString::to_string));
-    Ok(Basis { driven, notes, made: None })
+    Ok(UneditedTrial { driven, notes, made: None })
 }

@@ -1,14 +1,14 @@
 //! An `.ssp` -> a system of instances, connected and with its parameters set.
 
-use crate::error::{Error, Place, Result, require, scratch};
+use crate::error::{ErrorPlace, MasterError, Result, require, scratch};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::instance::number;
 use crate::ssp::{
-    Affine, Allowance, Archive, Connection, Connector, Extent, Interface, Kind, Parameter, Port, Single,
-    SystemStructure, Type, UnitOf, Variable, conversion, place_of, written, wrong_at,
+    Affine, Allowance, ArchiveReader, Causality, Connection, Connector, Extent, FmiType, FmuVariable,
+    Interface, Port, Single, SspParameter, SystemStructure, UnitOf, conversion, place_of, written, wrong_at,
 };
-use crate::system::{Component, System, Wire, component_of};
+use crate::system::{System, SystemComponent, Wire, component_of};
 use lemons_sim::Algorithm;
 use std::collections::HashMap;
 use std::fs::File;
@@ -39,12 +39,12 @@ pub fn assemble(path: &Path, algorithm: Algorithm, further: &[(String, String)])
 }
 
 fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, String)]) -> Result<Assembled> {
-    let mut archive = Archive::open(path)?;
+    let mut archive = ArchiveReader::open(path)?;
     let structure = archive.structure()?;
     let mut allowance = Allowance::new(Allowance::FMUS);
     let mut components = Vec::with_capacity(structure.components.len());
     for (place, described) in structure.components.iter().enumerate() {
-        let wrong = |error: Error| wrong_at(&described.place, error.whole());
+        let wrong = |error: MasterError| wrong_at(&described.place, error.whole());
         let mut fmu = unpack(&mut archive, &described.source, &mut allowance).map_err(wrong)?;
         let parameters = texts(&structure, place, further);
         fmu.configure(parameters.into_iter()).map_err(wrong)?;
@@ -53,7 +53,7 @@ fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, Strin
             meaning(name, connector, &fmu.description, &structure)?;
         }
         let instance = fmu.instantiate(&described.name).map_err(wrong)?;
-        components.push(Component { name: described.name.clone(), fmu: Arc::new(fmu), instance });
+        components.push(SystemComponent { name: described.name.clone(), fmu: Arc::new(fmu), instance });
     }
     let warnings = set_parameters(&structure, &components)?;
     let descriptions: Vec<_> = components.iter().map(|component| component.fmu.description.clone()).collect();
@@ -71,7 +71,7 @@ fn texts<'a>(
     let own = &structure.components[place].name;
     let inside = |name: &'a str| name.strip_prefix(own.as_str())?.strip_prefix('.');
     let parameters =
-        structure.parameters.iter().map(|Parameter { component, name, text, .. }| match component {
+        structure.parameters.iter().map(|SspParameter { component, name, text, .. }| match component {
             Some(component) => (Some(name.as_str()).filter(|_| *component == place), text.as_str()),
             None => (inside(name), text.as_str()),
         });
@@ -79,7 +79,7 @@ fn texts<'a>(
     parameters.chain(further).filter_map(|(name, text)| Some((name?, text))).collect()
 }
 
-fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Result<Fmu> {
+fn unpack(archive: &mut ArchiveReader, source: &str, allowance: &mut Allowance) -> Result<Fmu> {
     let directory = scratch()?;
     let path = directory.path().join("component.fmu");
     let mut file = File::create(&path).place(|| "cannot make a temporary file".to_owned())?;
@@ -89,7 +89,7 @@ fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Res
 
 /// The meaning of a connector in the FMU: a variable as a whole, or an element of an array by the element's name; and the unit.
 struct Meaning<'a> {
-    variable: &'a Variable,
+    variable: &'a FmuVariable,
     element: Option<usize>,
     unit: UnitOf<'a>,
 }
@@ -106,7 +106,7 @@ fn meaning<'a>(
     let found = whole.or_else(|| interface.single(name).map(|it| (it.variable, Some(it.element))));
     let (variable, element) = found.ok_or_else(|| wrong("the FMU has no such variable".into()))?;
     if variable.kind != Some(connector.kind) {
-        let kind = variable.kind.map_or("neither input nor output", Kind::name);
+        let kind = variable.kind.map_or("neither input nor output", Causality::name);
         return Err(wrong(format!("kind={:?}, but the FMU says {kind}", connector.kind.name())));
     }
     if element.is_none() || !connector.dimensions.is_empty() {
@@ -114,7 +114,7 @@ fn meaning<'a>(
     }
     let own = interface.unit_of(variable);
     let Some(of) = connector.of else { return Ok(Meaning { variable, element, unit: own }) };
-    let classes = [of, variable.of].map(Type::class);
+    let classes = [of, variable.of].map(FmiType::class);
     if classes[0] != classes[1] {
         return Err(wrong(format!("<{}>, but the FMU says {}", classes[0], classes[1])));
     }
@@ -130,7 +130,7 @@ fn meaning<'a>(
 }
 
 /// Checks that the dimensions of a connector are those of the FMU.
-fn check_sizes(connector: &Connector, variable: &Variable, interface: &Interface) -> Result<(), String> {
+fn check_sizes(connector: &Connector, variable: &FmuVariable, interface: &Interface) -> Result<(), String> {
     let (said, own) = (&connector.dimensions, &variable.dimensions);
     require(said.len() == own.len(), || {
         format!("it has {} <Dimension>, but the FMU has an array of {}", said.len(), own.len())
@@ -141,7 +141,7 @@ fn check_sizes(connector: &Connector, variable: &Variable, interface: &Interface
             Extent::Size(size) => *size,
             Extent::Parameter(name) => {
                 let parameter = interface.variable(name);
-                let parameter = parameter.filter(|it| it.kind == Some(Kind::StructuralParameter));
+                let parameter = parameter.filter(|it| it.kind == Some(Causality::StructuralParameter));
                 let size = parameter.and_then(|parameter| parameter.start_of(0)?.parse().ok());
                 let none = || format!("sizeConnector={name:?}: the FMU has no such structural parameter");
                 size.ok_or_else(none)?
@@ -192,7 +192,7 @@ fn connect<'a>(interfaces: &'a [Arc<Interface>], structure: &'a SystemStructure)
             map = conversion(start.unit, end.unit).map_err(wrong)?;
         }
         if let Some(transformation) = transformation {
-            if here.of.class() != Type::Real {
+            if here.of.class() != FmiType::Real {
                 return Err(wrong(format!("no <LinearTransformation> for type {}", here.of.class())));
             }
             map = map.then(*transformation);
@@ -213,7 +213,7 @@ fn connect<'a>(interfaces: &'a [Arc<Interface>], structure: &'a SystemStructure)
 }
 
 /// Says how many values of a variable.
-fn elements(variable: &Variable, values: &Range<usize>) -> String {
+fn elements(variable: &FmuVariable, values: &Range<usize>) -> String {
     if values.len() == 1 || !variable.is_array() {
         return "a single value".to_owned();
     }
@@ -222,7 +222,7 @@ fn elements(variable: &Variable, values: &Range<usize>) -> String {
 }
 
 /// Sets the parameter values, those of the components first; returns those for which no component has a variable.
-fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Result<Vec<String>> {
+fn set_parameters(structure: &SystemStructure, components: &[SystemComponent]) -> Result<Vec<String>> {
     let mut ignored = Vec::new();
     for parameter in &structure.parameters {
         let target = match parameter.component {
@@ -243,19 +243,19 @@ fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Resu
     Ok(ignored)
 }
 
-fn set_parameter(component: &Component, name: &str, parameter: &Parameter) -> Result<()> {
+fn set_parameter(component: &SystemComponent, name: &str, parameter: &SspParameter) -> Result<()> {
     let (instance, interface) = (&component.instance, &component.fmu.description);
     let variable = interface.known(name)?.variable;
-    let Parameter { of, unit, definition, text, .. } = parameter;
-    let [given, own] = [*of, variable.of].map(Type::class);
-    if (given, own) == (Type::Real, Type::Real) {
+    let SspParameter { of, unit, definition, text, .. } = parameter;
+    let [given, own] = [*of, variable.of].map(FmiType::class);
+    if (given, own) == (FmiType::Real, FmiType::Real) {
         let unit = unit.as_deref();
         let definition = definition.as_ref().or_else(|| interface.unit(unit?));
         let value: f64 = number(text).place(|| format!("{name}={text}: not a number"))?;
         let value = conversion((unit, definition), interface.unit_of(variable))?.apply(value);
         return instance.set(&instance.select([name])?, &[value]);
     }
-    let fits = given == own || (given, own) == (Type::Integer, Type::Real);
+    let fits = given == own || (given, own) == (FmiType::Integer, FmiType::Real);
     require(fits, || format!("the FMU's variable is of type {own}"))?;
     instance.set_text(&[name], text)
 }

@@ -1,6 +1,6 @@
 //! Shared libraries that were built with this program.
 
-use crate::error::{Error, Place, Result};
+use crate::error::{ErrorPlace, MasterError, Result};
 use crowd_mechanics::pack::{Binary, host_platform, library_file, platforms};
 use std::path::{Path, PathBuf};
 use std::sync::{PoisonError, RwLock};
@@ -41,7 +41,9 @@ fn binaries_in(beside: &Path, library: &str, wanted: &[String]) -> Result<Vec<Bi
         find(beside, library, platform).ok_or_else(|| {
             let name = library_file(library, platform).unwrap_or_else(|| library.to_owned());
             let beside = beside.display();
-            Error::new(format!("{name} is not beside this program ({beside}): give --binary {platform}=FILE"))
+            MasterError::new(format!(
+                "{name} is not beside this program ({beside}): give --binary {platform}=FILE"
+            ))
         })
     };
     if wanted.is_empty() {

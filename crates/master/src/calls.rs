@@ -10,11 +10,11 @@ mod logger;
 mod signatures;
 mod values;
 
-pub use values::Value;
+pub use values::FmiValue;
 
-use crate::error::{Error, Place, Result, require};
+use crate::error::{ErrorPlace, MasterError, Result, require};
 use crate::messages::{Messages, prefix};
-use crate::ssp::{Interface, Type};
+use crate::ssp::{FmiType, Interface};
 use lemons_fmi::{Status, Version};
 use libloading::Library;
 use location::{file_uri, path_text};
@@ -59,14 +59,14 @@ const TRUE: c_int = 1;
 unsafe fn function<F: Copy>(library: &Library, name: &str) -> Result<F> {
     // SAFETY: the caller's.
     let symbol = unsafe { library.get::<F>(name) };
-    Ok(*symbol.map_err(|_| Error::new(format!("the FMU has no function {name}")))?)
+    Ok(*symbol.map_err(|_| MasterError::new(format!("the FMU has no function {name}")))?)
 }
 
 /// Values that are set when an instance is in initialization.
-type Later = Box<dyn FnOnce(&Instance) -> Result<()>>;
+type Later = Box<dyn FnOnce(&FmuInstance) -> Result<()>>;
 
 /// An instance of an FMU. It is freed when this is dropped, before its library is unloaded.
-pub struct Instance {
+pub struct FmuInstance {
     component: NonNull<c_void>,
     pub(crate) description: Arc<Interface>,
     messages: Arc<Messages>,
@@ -79,7 +79,7 @@ pub struct Instance {
     library: Library,
 }
 
-impl Drop for Instance {
+impl Drop for FmuInstance {
     fn drop(&mut self) {
         // SAFETY: FMI's type; an instance of this library, freed once.
         unsafe {
@@ -90,7 +90,7 @@ impl Drop for Instance {
     }
 }
 
-impl Instance {
+impl FmuInstance {
     /// Loads a library and instantiates its FMU for co-simulation. The FMU's directory `resources` need not exist.
     ///
     /// # Errors
@@ -101,7 +101,7 @@ impl Instance {
         resources: &Path,
         name: &str,
         messages: Arc<Messages>,
-    ) -> Result<Instance> {
+    ) -> Result<FmuInstance> {
         let Interface { fmi, guid, co_simulation, .. } = &*description;
         let name = c_text(name, || format!("instance name={name:?}"))?;
         let guid = c_text(guid, || format!("guid={guid:?}"))?;
@@ -140,9 +140,10 @@ impl Instance {
                 }
             }
         };
-        let component = NonNull::new(component).ok_or_else(|| Error::new(format!("{call} returned NULL")))?;
+        let component =
+            NonNull::new(component).ok_or_else(|| MasterError::new(format!("{call} returned NULL")))?;
         let (initialized, later) = (Cell::new(false), RefCell::default());
-        Ok(Instance { component, description, messages, initialized, later, _logger: logger, library })
+        Ok(FmuInstance { component, description, messages, initialized, later, _logger: logger, library })
     }
 
     fn version(&self) -> Version {
@@ -159,10 +160,10 @@ impl Instance {
     }
 
     /// Returns the name of the function that gets or sets values of a type.
-    fn accessor(&self, verb: &str, of: Type) -> String {
+    fn accessor(&self, verb: &str, of: FmiType) -> String {
         let of = match (self.version(), of) {
-            (Version::V2, Type::Enumeration) => Type::Integer,
-            (Version::V3, Type::Enumeration) => Type::Int64,
+            (Version::V2, FmiType::Enumeration) => FmiType::Integer,
+            (Version::V3, FmiType::Enumeration) => FmiType::Int64,
             (_, of) => of,
         };
         self.name(&format!("{verb}{of}"))
@@ -190,7 +191,7 @@ impl Instance {
             return Ok(());
         }
         self.plain("EnterConfigurationMode")?;
-        self.set_all(Type::UInt64, references, sizes)?;
+        self.set_all(FmiType::UInt64, references, sizes)?;
         self.plain("ExitConfigurationMode")
     }
 
@@ -247,14 +248,14 @@ impl Instance {
     }
 
     /// Reads all values of the variables: in FMI 2.0 one for each reference.
-    fn get_all<T>(&self, of: Type, references: &[u32], mut values: Vec<T>) -> Result<Vec<T>> {
+    fn get_all<T>(&self, of: FmiType, references: &[u32], mut values: Vec<T>) -> Result<Vec<T>> {
         // SAFETY: a function that writes as many values as said.
         unsafe { self.pass("Get", of, references, values.as_mut_ptr(), values.len()) }?;
         Ok(values)
     }
 
     /// Sets all values of the variables: in FMI 2.0 one for each reference.
-    fn set_all<T>(&self, of: Type, references: &[u32], values: &[T]) -> Result<()> {
+    fn set_all<T>(&self, of: FmiType, references: &[u32], values: &[T]) -> Result<()> {
         // SAFETY: a function that reads as many values as said, and writes none.
         unsafe { self.pass("Set", of, references, values.as_ptr().cast_mut(), values.len()) }
     }
@@ -264,7 +265,7 @@ impl Instance {
     unsafe fn pass<T>(
         &self,
         verb: &str,
-        of: Type,
+        of: FmiType,
         references: &[u32],
         values: *mut T,
         length: usize,
@@ -317,7 +318,7 @@ impl Instance {
             (0, ..) => format!("the FMU wants Event Mode at t = {last:?} s, which this master has not"),
             _ => format!("the FMU ends the simulation {within}"),
         };
-        Err(Error::new(format!("fmi3DoStep: {why}")))
+        Err(MasterError::new(format!("fmi3DoStep: {why}")))
     }
 
     /// Returns the present state as bytes: `fmi2GetFMUstate`, `fmi2SerializeFMUstate`.
@@ -365,7 +366,7 @@ impl Instance {
 
 /// A state that an instance holds for us, or none yet; given back when this is dropped.
 struct State<'a> {
-    instance: &'a Instance,
+    instance: &'a FmuInstance,
     /// NULL, or of this instance.
     pointer: *mut c_void,
 }
@@ -399,7 +400,7 @@ fn c_text(text: &str, what: impl FnOnce() -> String) -> Result<CString> {
 }
 
 fn load(path: &Path) -> Result<Library> {
-    let cannot = |error: libloading::Error| Error::new(error.to_string());
+    let cannot = |error: libloading::Error| MasterError::new(error.to_string());
     // SAFETY: what a library does when it is loaded is the FMU's; see the module.
     #[cfg(not(windows))]
     return unsafe { Library::new(path) }.map_err(cannot);

@@ -15,7 +15,7 @@ use zip::result::ZipError;
 pub(crate) type Cause = Box<dyn StdError + Send + Sync>;
 
 /// The result of what this crate does.
-pub type Result<T, E = Error> = std::result::Result<T, E>;
+pub type Result<T, E = MasterError> = std::result::Result<T, E>;
 
 /// Why an FMU or an SSP cannot be used, or a run cannot be made. Texts say which value of what is wrong, with the option of
 /// `lemons` that means it.
@@ -23,7 +23,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 /// A text does not contain that of its [`source()`](StdError::source): all of them together, with `: ` between them, are
 /// the whole message.
 #[derive(Debug, thiserror::Error)]
-pub enum Error {
+pub enum MasterError {
     /// Text of what is wrong, where, or what was tried; and why, if somebody else says it.
     #[error("{what}")]
     Failed {
@@ -66,10 +66,10 @@ pub enum Error {
     Drive(#[from] Problems),
 }
 
-impl Error {
+impl MasterError {
     /// Makes an error with a text of its own.
-    pub(crate) fn new(what: impl Into<String>) -> Error {
-        Error::Failed { what: what.into(), source: None }
+    pub(crate) fn new(what: impl Into<String>) -> MasterError {
+        MasterError::Failed { what: what.into(), source: None }
     }
 
     /// Returns the whole message: see [`whole`].
@@ -78,21 +78,21 @@ impl Error {
     }
 }
 
-impl From<String> for Error {
-    fn from(what: String) -> Error {
-        Error::new(what)
+impl From<String> for MasterError {
+    fn from(what: String) -> MasterError {
+        MasterError::new(what)
     }
 }
 
-impl From<&str> for Error {
-    fn from(what: &str) -> Error {
-        Error::new(what)
+impl From<&str> for MasterError {
+    fn from(what: &str) -> MasterError {
+        MasterError::new(what)
     }
 }
 
-impl From<Problem> for Error {
-    fn from(problem: Problem) -> Error {
-        Error::Xml(problem.into())
+impl From<Problem> for MasterError {
+    fn from(problem: Problem) -> MasterError {
+        MasterError::Xml(problem.into())
     }
 }
 
@@ -114,13 +114,13 @@ pub(crate) fn scratch() -> Result<Scratch> {
 }
 
 /// Says where an error happened, or what was tried.
-pub(crate) trait Place<T> {
+pub(crate) trait ErrorPlace<T> {
     /// The place comes before the error's own text.
     fn place(self, place: impl FnOnce() -> String) -> Result<T>;
 }
 
-impl<T, E: Into<Cause>> Place<T> for Result<T, E> {
+impl<T, E: Into<Cause>> ErrorPlace<T> for Result<T, E> {
     fn place(self, place: impl FnOnce() -> String) -> Result<T> {
-        self.map_err(|error| Error::Failed { what: place(), source: Some(error.into()) })
+        self.map_err(|error| MasterError::Failed { what: place(), source: Some(error.into()) })
     }
 }

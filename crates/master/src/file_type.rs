@@ -1,6 +1,6 @@
 //! The type of a file that was taken for something else.
 
-use crate::error::{Error, Result};
+use crate::error::{MasterError, Result};
 use crate::ssp::{STRUCTURE_FILE, open_zip};
 use crate::unzip::DESCRIPTION_FILE;
 use lemons_core::files::input;
@@ -100,6 +100,6 @@ impl FileType {
             FileType::HDF5 => "; lemons_fmu reads those of the data archive in Python",
             _ => "",
         };
-        Err(Error::new(format!("{}: {}{wanted}{hint}", path.display(), kind.0)))
+        Err(MasterError::new(format!("{}: {}{wanted}{hint}", path.display(), kind.0)))
     }
 }

@@ -1,18 +1,18 @@
 //! An FMU: its files, its description, what its names stand for.
 
 use crate::bundled_library::host;
-use crate::calls::Instance;
-use crate::error::{Error, Place, Result, require, scratch};
+use crate::calls::FmuInstance;
+use crate::error::{ErrorPlace, MasterError, Result, require, scratch};
 use crate::file_type::FileType;
 use crate::instance::number;
 use crate::messages::Messages;
-use crate::ssp::{Allowance, Interface, Kind, LARGEST_TERMINALS, TERMINALS_FILE, Terminal, Type};
+use crate::ssp::{Allowance, Causality, FmiType, Interface, LARGEST_TERMINALS, TERMINALS_FILE, Terminal};
 use crate::unzip::{DESCRIPTION_FILE, renamed, unzip};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use crowd_mechanics::pack::host_directory;
 use crowd_mechanics::quantities;
 use crowd_mechanics::resources::{Resources, ResourcesError};
-use lemons_core::files::source::{Disk, Source};
+use lemons_core::files::source::{FileSource, LocalFiles};
 use lemons_core::files::{Scratch, input};
 use lemons_core::trial::{Agent, DriveChoice, DriveTable, Problems, Trial};
 use lemons_fmi::Version;
@@ -97,7 +97,7 @@ impl Fmu {
     /// The file is broken.
     pub fn terminals(&self) -> Result<Vec<Terminal>> {
         let path = self.directory().join(TERMINALS_FILE);
-        if Disk.lacks(&path) {
+        if LocalFiles.lacks(&path) {
             return Ok(Vec::new());
         }
         let bytes = input::read(&path, LARGEST_TERMINALS).place(|| TERMINALS_FILE.to_owned());
@@ -118,8 +118,8 @@ impl Fmu {
         let path = self.directory.path().join("resources");
         let path = path.to_str().ok_or_else(|| format!("{} is not UTF-8", path.display()))?;
         Resources::at(Location::Path(path)).map_err(|error| match error {
-            ResourcesError::NoTrial { .. } => Error::new("holds no Trial: it is not an FMU of a crowd"),
-            error => Error::new(self.known(&error.to_string())),
+            ResourcesError::NoTrial { .. } => MasterError::new("holds no Trial: it is not an FMU of a crowd"),
+            error => MasterError::new(self.known(&error.to_string())),
         })
     }
 
@@ -130,7 +130,7 @@ impl Fmu {
     pub fn trial(&self, name: Option<&str>) -> Result<Trial> {
         let packed = self.resources()?;
         let read = packed.load(name.unwrap_or(packed.first()));
-        Ok(read.map_err(|error| Error::new(self.known(&error.to_string())))?.0)
+        Ok(read.map_err(|error| MasterError::new(self.known(&error.to_string())))?.0)
     }
 
     /// Reads the drive of a Trial of this FMU.
@@ -139,7 +139,7 @@ impl Fmu {
     /// The drive file has errors; files have the names that the user knows.
     pub fn drive(&self, trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable> {
         let known = |problems: Problems| renamed(&problems, self.directory(), Path::new(&self.shown));
-        DriveTable::of(trial, choice).map_err(|problems| Error::Drive(known(problems)))
+        DriveTable::of(trial, choice).map_err(|problems| MasterError::Drive(known(problems)))
     }
 
     /// Returns whether a Trial of this FMU has a drive of its own for people whose Fp or Mp is fed by a connection, which
@@ -163,7 +163,7 @@ impl Fmu {
     ///
     /// # Errors
     /// The FMU cannot be instantiated; the error contains its messages.
-    pub fn instantiate(&self, name: &str) -> Result<Instance> {
+    pub fn instantiate(&self, name: &str) -> Result<FmuInstance> {
         let own = self.description.co_simulation.as_ref();
         let own = own.ok_or("the FMU is not for co-simulation")?;
         let name_of_library = library_of(&own.identifier, self.description.fmi)?;
@@ -177,7 +177,7 @@ impl Fmu {
         })?;
         let messages = Arc::new(Messages::with(self.names()));
         let resources = self.directory.path().join("resources");
-        let made = Instance::new(self.description.clone(), &library, &resources, name, messages.clone());
+        let made = FmuInstance::new(self.description.clone(), &library, &resources, name, messages.clone());
         let instance = made.map_err(|error| {
             let prefix = format!("{}/", self.directory.path().display());
             let why = match &messages.errors()[..] {
@@ -235,7 +235,7 @@ impl Fmu {
     }
 
     /// The type of a value.
-    pub fn kind(&self, name: &str) -> Option<Type> {
+    pub fn kind(&self, name: &str) -> Option<FmiType> {
         self.description.single(name).map(|single| single.variable.of)
     }
 
@@ -294,7 +294,7 @@ impl Fmu {
     /// Returns whether a variable is a structural parameter, which is set by [`Fmu::configure`].
     pub fn is_structural(&self, name: &str) -> bool {
         let found = self.description.variable(name);
-        found.is_some_and(|variable| variable.kind == Some(Kind::StructuralParameter))
+        found.is_some_and(|variable| variable.kind == Some(Causality::StructuralParameter))
     }
 }
 

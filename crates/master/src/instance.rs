@@ -3,9 +3,9 @@
 //! An FMU 2.0 has a value for each type and reference. An FMU 3.0 has arrays, which are read and set whole, by one call for all of
 //! one type: which of their elements are meant is found out once, not at each communication point.
 
-use crate::calls::{Instance, Value};
-use crate::error::{Cause, Error, Place, Result};
-use crate::ssp::{Single, Type};
+use crate::calls::{FmiValue, FmuInstance};
+use crate::error::{Cause, ErrorPlace, MasterError, Result};
+use crate::ssp::{FmiType, Single};
 use std::collections::{HashMap, HashSet};
 use std::str::FromStr;
 
@@ -16,7 +16,7 @@ pub(crate) fn number<T: FromStr<Err: Into<Cause>>>(text: &str) -> Result<T, Caus
 
 /// Single values of an instance that are read or set together, in an order.
 #[derive(Debug, Clone, Default)]
-pub struct Selection {
+pub struct ValueSelection {
     /// One for each type.
     parts: Vec<Part>,
     /// The part of each value, and its place among the values of the part's call.
@@ -28,7 +28,7 @@ pub struct Selection {
 /// The values that one call reads or sets.
 #[derive(Debug, Clone, Default)]
 struct Part {
-    of: Type,
+    of: FmiType,
     references: Vec<u32>,
     /// The number of values of the call.
     length: usize,
@@ -38,11 +38,11 @@ struct Part {
     arrays: bool,
 }
 
-impl Selection {
-    pub(crate) fn new<'a>(values: impl IntoIterator<Item = Single<'a>>) -> Selection {
+impl ValueSelection {
+    pub(crate) fn new<'a>(values: impl IntoIterator<Item = Single<'a>>) -> ValueSelection {
         let (mut parts, mut places) = (Vec::<Part>::new(), Vec::new());
         // The part in which the values of a variable are, and where they begin.
-        let mut begins: HashMap<(Type, u32), (usize, usize)> = HashMap::new();
+        let mut begins: HashMap<(FmiType, u32), (usize, usize)> = HashMap::new();
         for Single { variable, element } in values {
             let of = variable.of;
             let (at, begin) = *begins.entry((of, variable.reference)).or_insert_with(|| {
@@ -65,7 +65,7 @@ impl Selection {
         }
         let in_order = places.iter().enumerate().all(|(k, place)| *place == (0, k));
         let is_one_call = in_order && parts.first().is_some_and(|part| part.length == places.len());
-        Selection { parts, places, is_one_call }
+        ValueSelection { parts, places, is_one_call }
     }
 
     /// Returns the number of values.
@@ -84,14 +84,14 @@ impl Selection {
     }
 }
 
-impl Instance {
+impl FmuInstance {
     /// Selects values by their names.
     ///
     /// # Errors
     /// There is no such value.
-    pub fn select<S: AsRef<str>>(&self, names: impl IntoIterator<Item = S>) -> Result<Selection> {
+    pub fn select<S: AsRef<str>>(&self, names: impl IntoIterator<Item = S>) -> Result<ValueSelection> {
         let values = names.into_iter().map(|name| self.description.known(name.as_ref()));
-        Ok(Selection::new(values.collect::<Result<Vec<_>>>()?))
+        Ok(ValueSelection::new(values.collect::<Result<Vec<_>>>()?))
     }
 
     /// Sets values of one type from a text, all to the same.
@@ -104,15 +104,15 @@ impl Instance {
         let selection = self.select(names)?;
         let wrong = |why: &str| format!("{first}={text}: {why}");
         let value = match of.class() {
-            Type::Real => number(text).place(|| wrong("not a number"))?,
-            Type::Integer => f64::from(number::<i32>(text).place(|| wrong("not a number"))?),
-            Type::Boolean => match text {
+            FmiType::Real => number(text).place(|| wrong("not a number"))?,
+            FmiType::Integer => f64::from(number::<i32>(text).place(|| wrong("not a number"))?),
+            FmiType::Boolean => match text {
                 "true" | "1" => 1.0,
                 "false" | "0" => 0.0,
-                _ => return Err(Error::new(wrong("neither true nor false"))),
+                _ => return Err(MasterError::new(wrong("neither true nor false"))),
             },
-            Type::String => return self.set(&selection, &vec![text.to_owned(); selection.len()]),
-            _ => return Err(Error::new(format!("{first}: variables of type {of} cannot be set here"))),
+            FmiType::String => return self.set(&selection, &vec![text.to_owned(); selection.len()]),
+            _ => return Err(MasterError::new(format!("{first}: variables of type {of} cannot be set here"))),
         };
         self.set(&selection, &vec![value; selection.len()])
     }
@@ -132,7 +132,7 @@ impl Instance {
     ///
     /// # Errors
     /// The FMU refuses the call, or a value is none of a variable's type.
-    pub fn set<T: Value>(&self, selection: &Selection, values: &[T]) -> Result<()> {
+    pub fn set<T: FmiValue>(&self, selection: &ValueSelection, values: &[T]) -> Result<()> {
         assert_eq!(selection.len(), values.len(), "a value for each that is selected");
         if selection.has_arrays() && !self.initialized.get() {
             let (selection, values) = (selection.clone(), values.to_vec());
@@ -153,7 +153,7 @@ impl Instance {
         selection.parts.iter().zip(&all).try_for_each(|(part, values)| set(part, values))
     }
 
-    fn get_part<T: Value>(&self, part: &Part) -> Result<Vec<T>> {
+    fn get_part<T: FmiValue>(&self, part: &Part) -> Result<Vec<T>> {
         T::get(self, part.of, &part.references, part.length)
     }
 
@@ -161,7 +161,7 @@ impl Instance {
     ///
     /// # Errors
     /// The FMU refuses the call, or a value is too large.
-    pub fn values<T: Value>(&self, selection: &Selection) -> Result<Vec<T>> {
+    pub fn values<T: FmiValue>(&self, selection: &ValueSelection) -> Result<Vec<T>> {
         if selection.is_one_call {
             return self.get_part(&selection.parts[0]);
         }
@@ -173,7 +173,7 @@ impl Instance {
     ///
     /// # Errors
     /// There is no such value, or the FMU refuses the call.
-    pub fn value<T: Value>(&self, name: &str) -> Result<T> {
+    pub fn value<T: FmiValue>(&self, name: &str) -> Result<T> {
         let mut value = self.values(&self.select([name])?)?;
         Ok(value.swap_remove(0))
     }

@@ -1,6 +1,6 @@
 //! Messages that an FMU logs.
 
-use crate::error::{Error, Result};
+use crate::error::{MasterError, Result};
 use lemons_fmi::{Status, Version};
 use std::sync::Mutex;
 
@@ -73,7 +73,7 @@ impl Messages {
     pub fn done(&self, version: Version, call: &str, code: i32) -> Result<Status> {
         // What was logged as an error in a call that succeeded is not the reason of a later refusal.
         let said = self.errors();
-        Err(Error::new(match status_of(version, code) {
+        Err(MasterError::new(match status_of(version, code) {
             Some(status @ (Status::Ok | Status::Warning)) => return Ok(status),
             _ if !said.is_empty() => said.join("\n"),
             Some(status) => format!("{call} returned {status:?}"),

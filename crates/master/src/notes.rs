@@ -1,7 +1,7 @@
 //! Texts about settings that are probably not meant, in the words of `lemons run`: for runs of FMUs, and of a Trial in
 //! memory.
 
-use crate::error::Error;
+use crate::error::MasterError;
 use lemons_core::trial::DRIVE_FILE;
 use lemons_decision::DECISION_FILE;
 
@@ -34,7 +34,7 @@ pub fn drive_replaced(component: &str) -> String {
 }
 
 /// Says that a parameter names no variable, but its name is like one, or another component has it.
-pub fn no_such_variable(name: &str, value: &str, meant: &str) -> Error {
+pub fn no_such_variable(name: &str, value: &str, meant: &str) -> MasterError {
     let question = format!("did you mean --set {meant}={value}?");
-    Error::new(format!("--set {name}={value}: there is no such variable; {question}"))
+    MasterError::new(format!("--set {name}={value}: there is no such variable; {question}"))
 }

@@ -2,15 +2,15 @@
 //! its communication points are known; then it is stepped.
 
 use crate::assemble::{Assembled, assemble};
-use crate::calls::Instance;
-use crate::error::{Error, Place, Result, require};
+use crate::calls::FmuInstance;
+use crate::error::{ErrorPlace, MasterError, Result, require};
 use crate::file_type::FileType;
 use crate::fmu::{Fmu, driven};
-use crate::instance::Selection;
+use crate::instance::ValueSelection;
 use crate::notes;
-use crate::saved::Saved;
-use crate::settings::Settings;
-use crate::system::{Component, PLAY_DRIVE, System, component_of};
+use crate::saved::SavedRun;
+use crate::settings::RunSettings;
+use crate::system::{PLAY_DRIVE, System, SystemComponent, component_of};
 use crate::trial_input::PlanChoice;
 use lemons_core::trial::{Agent, DriveChoice, DriveTable, Trial};
 use lemons_decision::DECISION_FILE;
@@ -38,7 +38,7 @@ const CROWD: &str = "crowd";
 /// }
 /// # Ok::<(), Error>(())
 /// ```
-pub struct Prepared {
+pub struct PreparedSystem {
     /// One FMU as the component `crowd`; or those of the SSP.
     pub system: System,
     /// The Trials of the components, for those whose FMU contains Trials.
@@ -50,14 +50,14 @@ pub struct Prepared {
     /// One communication point in so many is recorded, beginning with the first.
     pub every: u64,
     /// The run that this one goes on from.
-    pub before: Option<Saved>,
+    pub before: Option<SavedRun>,
     /// True if FMUs are coupled: those of an SSP.
     pub coupled: bool,
     /// Warnings: settings that are probably not meant.
     pub warnings: Vec<String>,
 }
 
-impl Prepared {
+impl PreparedSystem {
     /// Steps to a communication point \[s\].
     ///
     /// # Errors
@@ -73,7 +73,7 @@ impl Prepared {
     /// # Errors
     /// A setting is outside of its domain ([`Settings`]), the settings do not fit together or to the input, or the
     /// input, the drive or the saved run is wrong.
-    pub fn of(settings: &Settings) -> Result<Prepared> {
+    pub fn of(settings: &RunSettings) -> Result<PreparedSystem> {
         let (before, states) = settings.saved()?.unzip();
         let coupled = settings.input.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp"));
         let parameters = match &before {
@@ -84,7 +84,7 @@ impl Prepared {
         FileType::expect(&settings.input, &inputs, "an FMU or an SSP")?;
         require(!matches!(settings.plan, PlanChoice::File(_)), || {
             let why = "is for a Trial, and not for an FMU or an SSP";
-            Error::Misused(format!("--plan: a file like {DECISION_FILE} {why}"))
+            MasterError::Misused(format!("--plan: a file like {DECISION_FILE} {why}"))
         })?;
         let open = if coupled { open_ssp } else { open_fmu };
         let Assembled { mut system, start, stop, mut warnings } = open(settings, &parameters)?;
@@ -115,7 +115,7 @@ impl Prepared {
             system.restore(before.time, states).place(of_saved)?;
         }
         warnings.extend(system.differing()?);
-        let trials = system.components.iter().map(Component::trial).collect::<Result<Vec<_>>>()?;
+        let trials = system.components.iter().map(SystemComponent::trial).collect::<Result<Vec<_>>>()?;
 
         // The crowd; nothing drives the components of an SSP.
         let main = trials.len() - 1;
@@ -140,18 +140,18 @@ impl Prepared {
         if undriven && trial.is_some() && is_still(&crowd.instance, agents.len())? {
             warnings.push(notes::still());
         }
-        Ok(Prepared { system, trials, feed, clock, every, before, coupled, warnings })
+        Ok(PreparedSystem { system, trials, feed, clock, every, before, coupled, warnings })
     }
 }
 
 /// Returns whether nobody has a speed or a propulsion at the start.
-fn is_still(crowd: &Instance, agents: usize) -> Result<bool> {
+fn is_still(crowd: &FmuInstance, agents: usize) -> Result<bool> {
     let of_one = ["Fp.x", "Fp.y", "Mp", "Velocity.x", "Velocity.y", "Omega"];
     let all = crowd.select((0..agents).flat_map(|i| of_one.map(|name| format!("agent[{i}].{name}"))))?;
     Ok(crowd.values(&all)?.iter().all(|value: &f64| *value == 0.0))
 }
 
-fn open_fmu(settings: &Settings, parameters: &[(String, String)]) -> Result<Assembled> {
+fn open_fmu(settings: &RunSettings, parameters: &[(String, String)]) -> Result<Assembled> {
     let mut fmu = Fmu::open(&settings.input)?;
     let named: Vec<_> =
         parameters.iter().map(|(name, value)| (of_crowd(&fmu, name), value.as_str())).collect();
@@ -160,7 +160,7 @@ fn open_fmu(settings: &Settings, parameters: &[(String, String)]) -> Result<Asse
     Ok(Assembled { system, start: None, stop: None, warnings: Vec::new() })
 }
 
-fn open_ssp(settings: &Settings, parameters: &[(String, String)]) -> Result<Assembled> {
+fn open_ssp(settings: &RunSettings, parameters: &[(String, String)]) -> Result<Assembled> {
     require(
         !matches!(settings.drive, DriveChoice::File(_)),
         || "--drive: a drive is for a Trial or an FMU: in an SSP inputs are fed by connections",
@@ -189,9 +189,11 @@ fn set(system: &System, name: &str, value: &str, coupled: bool) -> Result<Option
     let (place, variable) = found.ok_or_else(|| {
         let components: Vec<&str> = system.components.iter().map(|it| it.name.as_str()).collect();
         let components = components.join(", ");
-        Error::new(format!("--set {name}={value}: expected COMPONENT.NAME; components are {components}"))
+        MasterError::new(format!(
+            "--set {name}={value}: expected COMPONENT.NAME; components are {components}"
+        ))
     })?;
-    let Component { fmu, instance, .. } = &system.components[place];
+    let SystemComponent { fmu, instance, .. } = &system.components[place];
     let variables = fmu.named(variable);
     let unknown = variables.iter().any(|name| fmu.kind(name).is_none());
     if unknown && let Some(meant) = fmu.meant(variable) {
@@ -215,7 +217,7 @@ fn of_crowd<'a>(fmu: &Fmu, name: &'a str) -> &'a str {
 
 /// Checks that all components can be saved and restored.
 fn check_saves(system: &System) -> Result<()> {
-    for Component { name, fmu, .. } in &system.components {
+    for SystemComponent { name, fmu, .. } in &system.components {
         if let Some(flag) = fmu.cannot_save() {
             let why = format!("component {name:?} says {flag}=\"false\" (--state, --resume)");
             return Err(format!("the run cannot be saved: {why}").into());
@@ -231,12 +233,12 @@ pub struct DriveFeed {
     /// The agents that the drive names.
     ids: Vec<String>,
     /// Fp.x, Fp.y and Mp of each of them.
-    inputs: Selection,
+    inputs: ValueSelection,
 }
 
 impl DriveFeed {
     /// Makes the feed of the inputs of these agents of an instance.
-    fn new(instance: &Instance, agents: &[Agent], drive: DriveTable) -> Result<DriveFeed> {
+    fn new(instance: &FmuInstance, agents: &[Agent], drive: DriveTable) -> Result<DriveFeed> {
         let driven = driven(agents, &drive).map(|(agent, names)| (agent.id.clone(), names));
         let (ids, names): (Vec<String>, Vec<[String; 3]>) = driven.unzip();
         Ok(DriveFeed { inputs: instance.select(names.iter().flatten())?, ids, drive })
@@ -246,7 +248,7 @@ impl DriveFeed {
     ///
     /// # Errors
     /// The FMU refuses the call.
-    fn apply(&self, instance: &Instance, time: f64) -> Result<()> {
+    fn apply(&self, instance: &FmuInstance, time: f64) -> Result<()> {
         if self.inputs.is_empty() {
             return Ok(());
         }

@@ -4,10 +4,10 @@
 mod layered;
 mod table;
 
-use crate::error::{Place, Result, require};
+use crate::error::{ErrorPlace, Result, require};
 use crate::fmu::{Fmu, driven};
-use crate::instance::Selection;
-use crate::ssp::{Interface, Kind, Variable, entry};
+use crate::instance::ValueSelection;
+use crate::ssp::{Causality, FmuVariable, Interface, entry};
 use crowd_mechanics::engine::Wrench;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use layered::Described;
@@ -33,7 +33,7 @@ pub struct Experiment {
 
 /// An experiment that was run again.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Replay {
+pub struct ReplayedExperiment {
     /// The name of the experiment.
     pub name: String,
     /// Its communication points.
@@ -82,9 +82,9 @@ pub fn add_reference(
     let step = experiment.step.or(of.step).ok_or("the FMU has no DefaultExperiment with a stepSize")?;
     let until = experiment.until.or(of.stop).unwrap_or(DEFAULT_STOP_TIME);
     let clock = Clock::new(of.start.unwrap_or(0.0), step, until)?;
-    let outputs = of.variables.iter().filter(|it| it.kind == Some(Kind::Output) && is_number(it));
+    let outputs = of.variables.iter().filter(|it| it.kind == Some(Causality::Output) && is_number(it));
     let mut results = Table::of(outputs);
-    let inputs_of = of.variables.iter().filter(|it| it.kind == Some(Kind::Input) && is_number(it));
+    let inputs_of = of.variables.iter().filter(|it| it.kind == Some(Causality::Input) && is_number(it));
     // A row has a time, too.
     let widest = results.width().max(Table::of(inputs_of).width()) as u64 + 1;
     let values = (clock.steps + 2).saturating_mul(widest);
@@ -95,7 +95,7 @@ pub fn add_reference(
     let name = documents.trial.name.clone();
     let stimuli = inputs(of, clock, &stimuli(documents, clock, experiment.tolerance)?);
     let singles = results.singles(of);
-    run(&fmu, clock, experiment.tolerance, &stimuli, &Selection::new(singles), |time, values| {
+    run(&fmu, clock, experiment.tolerance, &stimuli, &ValueSelection::new(singles), |time, values| {
         require(values.iter().all(|value| value.is_finite()), || {
             format!("an output is not finite at t = {time:?} s: a reference cannot hold it")
         })?;
@@ -127,20 +127,20 @@ pub fn add_reference(
 ///
 /// # Errors
 /// The FMU has no reference, something in it is wrong, or the FMU fails.
-pub fn replay(path: &Path, tolerance: Option<f64>) -> Result<Vec<Replay>> {
+pub fn replay(path: &Path, tolerance: Option<f64>) -> Result<Vec<ReplayedExperiment>> {
     let fmu = Fmu::open(path)?;
     layered::read(&fmu)?.iter().map(|described| replay_one(&fmu, described, tolerance)).collect()
 }
 
-fn replay_one(fmu: &Fmu, described: &Described, tolerance: Option<f64>) -> Result<Replay> {
+fn replay_one(fmu: &Fmu, described: &Described, tolerance: Option<f64>) -> Result<ReplayedExperiment> {
     let Described { name, clock, stimuli, references, .. } = described;
     let of = &fmu.description;
     let read = |file: &layered::Inside, kind| Table::read(&file.path, &file.shown, of, kind);
-    let stimuli = stimuli.as_ref().map(|file| read(file, Kind::Input)).transpose()?.unwrap_or_default();
-    let reference = read(references, Kind::Output)?;
+    let stimuli = stimuli.as_ref().map(|file| read(file, Causality::Input)).transpose()?.unwrap_or_default();
+    let reference = read(references, Causality::Output)?;
     let (width, singles) = (reference.width(), reference.singles(of));
     require(width > 0, || format!("{}: has no column but \"time\"", references.shown.display()))?;
-    let mut replay = Replay {
+    let mut replay = ReplayedExperiment {
         name: name.clone(),
         clock: *clock,
         rows: 0,
@@ -157,8 +157,13 @@ fn replay_one(fmu: &Fmu, described: &Described, tolerance: Option<f64>) -> Resul
     // Times may be rounded to 15 digits.
     let (mut row, near) = (0, (1e-9 * clock.step).max(1e-14 * clock.until.abs()));
     let mut most = 0.0;
-    replay.warnings =
-        run(fmu, *clock, described.tolerance, &stimuli, &Selection::new(singles.clone()), |time, values| {
+    replay.warnings = run(
+        fmu,
+        *clock,
+        described.tolerance,
+        &stimuli,
+        &ValueSelection::new(singles.clone()),
+        |time, values| {
             let next = reference.times.get(row).copied().unwrap_or(f64::INFINITY);
             if next > time + near && time != clock.start && time != clock.until {
                 return Ok(());
@@ -185,9 +190,10 @@ fn replay_one(fmu: &Fmu, described: &Described, tolerance: Option<f64>) -> Resul
             }
             row += 1;
             Ok(())
-        })?;
+        },
+    )?;
     require(row == reference.times.len(), || other(row, "the experiment has ended"))?;
-    Ok(Replay { rows: row, ..replay })
+    Ok(ReplayedExperiment { rows: row, ..replay })
 }
 
 /// Runs an FMU: `each` gets the selected values at each communication point. Inputs are set in initialization, and before each
@@ -197,11 +203,11 @@ fn run(
     clock: Clock,
     tolerance: Option<f64>,
     stimuli: &Table,
-    outputs: &Selection,
+    outputs: &ValueSelection,
     mut each: impl FnMut(f64, &[f64]) -> Result<()>,
 ) -> Result<Vec<String>> {
     let instance = fmu.instantiate("reference")?;
-    let inputs = Selection::new(stimuli.singles(&fmu.description));
+    let inputs = ValueSelection::new(stimuli.singles(&fmu.description));
     let feed = |time: f64| instance.set(&inputs, &stimuli.at(time));
     instance.enter_initialization(clock.start, tolerance)?;
     feed(clock.start)?;
@@ -280,20 +286,20 @@ fn drives(simulation: &Simulation) -> Vec<(String, f64)> {
 
 /// Returns the table of those inputs of an FMU that do not keep their start values.
 fn inputs(interface: &Interface, clock: Clock, stimuli: &Stimuli) -> Table {
-    let start = |variable: &Variable, element| match variable.start_of(element) {
+    let start = |variable: &FmuVariable, element| match variable.start_of(element) {
         Some("true") => 1.0,
         Some(text) => text.parse().unwrap_or_default(),
         None => 0.0,
     };
-    let own = |variable: &Variable, element| stimuli.get(&interface.name_of(variable, element));
-    let changes = |variable: &&Variable| {
+    let own = |variable: &FmuVariable, element| stimuli.get(&interface.name_of(variable, element));
+    let changes = |variable: &&FmuVariable| {
         let changes = |element| {
             let start = start(variable, element);
             own(variable, element).is_some_and(|values| values.iter().any(|value| *value != start))
         };
-        variable.kind == Some(Kind::Input) && is_number(variable) && (0..variable.count()).any(changes)
+        variable.kind == Some(Causality::Input) && is_number(variable) && (0..variable.count()).any(changes)
     };
-    let changing: Vec<&Variable> = interface.variables.iter().filter(changes).collect();
+    let changing: Vec<&FmuVariable> = interface.variables.iter().filter(changes).collect();
     let mut table = Table::of(changing.iter().copied());
     for (k, time) in std::iter::once(clock.start).chain(clock.points(0)).enumerate() {
         let values = changing.iter().flat_map(|variable| {

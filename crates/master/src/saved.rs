@@ -1,7 +1,7 @@
 //! A saved run: `run.toml` and the state of each component, in a zip.
 
 use crate::calls::LARGEST_STATE;
-use crate::error::{Error, Place, Result, require};
+use crate::error::{ErrorPlace, MasterError, Result, require};
 use crate::file_type::FileType;
 use crate::ssp::{Allowance, entry, open_zip, sound};
 use lemons_core::files::Staged;
@@ -21,7 +21,7 @@ const LARGEST_RUN: u64 = 4_000_000;
 /// `run.toml`: where a run was, and what it had recorded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Saved {
+pub struct SavedRun {
     /// [`Saved::FORMAT`]
     pub format: u32,
     /// The builds of the program that wrote it ([`writers`]). For people: a run goes on with any build that knows the
@@ -100,11 +100,11 @@ pub fn writers(before: &str, now: &str) -> String {
 }
 
 /// Says what is wrong with `run.toml`.
-fn wrong(why: impl Display) -> Error {
-    Error::new(format!("{RUN}: {why}"))
+fn wrong(why: impl Display) -> MasterError {
+    MasterError::new(format!("{RUN}: {why}"))
 }
 
-impl Saved {
+impl SavedRun {
     /// The format of `run.toml` that this program knows; raised when its meaning changes.
     pub const FORMAT: u32 = 5;
 
@@ -131,7 +131,7 @@ impl Saved {
     /// # Errors
     /// It cannot be written, or the states have more than [`LARGEST_STATE`] together.
     pub fn write(mut self, states: &[Vec<u8>], file: Staged) -> Result<()> {
-        Saved::check_states(states, LARGEST_STATE)?;
+        SavedRun::check_states(states, LARGEST_STATE)?;
         for (place, (component, state)) in self.component.iter_mut().zip(states).enumerate() {
             (component.state, component.bytes) = (format!("state-{place}"), state.len() as u64);
         }
@@ -152,18 +152,18 @@ impl Saved {
     ///
     /// # Errors
     /// It is not a saved run, or it contains impossible numbers.
-    pub fn read(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
+    pub fn read(path: &Path) -> Result<(SavedRun, Vec<Vec<u8>>)> {
         let found = FileType::expect(path, &[FileType::SAVED_RUN], "a saved run");
-        found.map_err(|error| Error::new(format!("{error} (--state writes one)")))?;
-        Saved::read_archive(path).place(|| format!("saved run {}", path.display()))
+        found.map_err(|error| MasterError::new(format!("{error} (--state writes one)")))?;
+        SavedRun::read_archive(path).place(|| format!("saved run {}", path.display()))
     }
 
-    fn read_archive(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
+    fn read_archive(path: &Path) -> Result<(SavedRun, Vec<Vec<u8>>)> {
         let mut zip = sound(open_zip(path)?)?;
         let mut text = Vec::new();
         Allowance::new(LARGEST_RUN).copy(RUN, zip.by_name(RUN)?, &mut text)?;
         let text = String::from_utf8(text).map_err(|_| wrong("is not UTF-8 text"))?;
-        let saved = Saved::parse(&text)?;
+        let saved = SavedRun::parse(&text)?;
         let mut left = Allowance::new(LARGEST_STATE as u64);
         let mut states = Vec::new();
         for component in &saved.component {
@@ -181,7 +181,7 @@ impl Saved {
         Ok((saved, states))
     }
 
-    fn parse(text: &str) -> Result<Saved> {
+    fn parse(text: &str) -> Result<SavedRun> {
         /// The part that every version has.
         #[derive(Deserialize)]
         struct Version {
@@ -190,21 +190,21 @@ impl Saved {
             lemons: String,
         }
         let Version { format, lemons } = toml::from_str(text).map_err(wrong)?;
-        require(format == Saved::FORMAT, || {
+        require(format == SavedRun::FORMAT, || {
             let by = if lemons.is_empty() { String::new() } else { format!(" (lemons {})", quoted(&lemons)) };
             wrong(format!(
                 "format = {format}: this program knows format {} only; continue the run with the program that \
                  saved it{by}, or begin it again",
-                Saved::FORMAT
+                SavedRun::FORMAT
             ))
         })?;
-        let saved: Saved = toml::from_str(text).map_err(wrong)?;
+        let saved: SavedRun = toml::from_str(text).map_err(wrong)?;
         saved.check_numbers().place(|| RUN.to_owned())?;
         Ok(saved)
     }
 
     fn check_numbers(&self) -> Result<()> {
-        let Saved { start, step, until, time, index, every, .. } = *self;
+        let SavedRun { start, step, until, time, index, every, .. } = *self;
         let (point, next) = (start + index as f64 * step, start + (index as f64 + 1.0) * step);
         let within = format!("from {point:?} on and before {next:?}, at index {index}");
         for (key, value, is_right, must) in [
@@ -270,8 +270,8 @@ mod tests {
     #[test]
     fn states_that_are_too_large_together_are_not_written() {
         let states = [vec![0; 6], vec![0; 5]];
-        assert!(Saved::check_states(&states, 11).is_ok());
-        let said = Saved::check_states(&states, 10).unwrap_err().to_string();
+        assert!(SavedRun::check_states(&states, 11).is_ok());
+        let said = SavedRun::check_states(&states, 10).unwrap_err().to_string();
         assert_eq!(said, "the states of all components have 11 bytes together, more than 10");
     }
 

@@ -1,7 +1,7 @@
 //! Settings of a run.
 
-use crate::error::{Error, Place, Result, require};
-use crate::saved::Saved;
+use crate::error::{ErrorPlace, MasterError, Result, require};
+use crate::saved::SavedRun;
 use crate::trial_input::PlanChoice;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::trial::{DriveChoice, DriveTable};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Settings of a run: all that somebody has to say of a run. See [`Prepared::of`](crate::Prepared::of).
 #[derive(Debug, Clone, Default)]
-pub struct Settings {
+pub struct RunSettings {
     /// A Trial (its directory, or a zip of it), an FMU, or an SSP (by its extension).
     pub input: PathBuf,
     /// Parameters and start values: names as in [`Fmu::named`](crate::Fmu::named), in an SSP `component.name`; and
@@ -41,25 +41,25 @@ pub struct Settings {
     pub saves: bool,
 }
 
-impl Settings {
+impl RunSettings {
     /// Makes settings with the default of everything else.
-    pub fn of(input: impl Into<PathBuf>) -> Settings {
-        Settings { input: input.into(), ..Settings::default() }
+    pub fn of(input: impl Into<PathBuf>) -> RunSettings {
+        RunSettings { input: input.into(), ..RunSettings::default() }
     }
 
     /// Reads the saved run that goes on, with the states of its components.
     ///
     /// # Errors
     /// It is none, or something is set that it contains.
-    pub fn saved(&self) -> Result<Option<(Saved, Vec<Vec<u8>>)>> {
+    pub fn saved(&self) -> Result<Option<(SavedRun, Vec<Vec<u8>>)>> {
         let Some(path) = &self.resume else { return Ok(None) };
         let contained = match (self.parameters.first(), self.threads) {
-            (None, None) => return Saved::read(path).map(Some),
+            (None, None) => return SavedRun::read(path).map(Some),
             (Some((name, value)), _) => format!("{name}={value}"),
             (None, Some(threads)) => format!("{threads} threads"),
         };
         let why = "the saved run contains its parameters, and they cannot be changed";
-        Err(Error::Misused(format!("--resume: {contained}: {why}")))
+        Err(MasterError::Misused(format!("--resume: {contained}: {why}")))
     }
 
     /// Returns the communication points of a run, the number of them for one that is recorded, and warnings. It begins
@@ -70,7 +70,7 @@ impl Settings {
     /// The end is not after the beginning, nothing says how long a step is, or the saved run went otherwise.
     pub fn points(
         &self,
-        before: Option<&Saved>,
+        before: Option<&SavedRun>,
         start: f64,
         [stop, step]: [Option<f64>; 2],
         drive: &DriveTable,
@@ -84,7 +84,7 @@ impl Settings {
         let step = self.step.or(before.map(|before| before.step)).or(step);
         let step = step.ok_or("no FMU has a DefaultExperiment with a stepSize: give --step")?;
         let every = self.every.or(before.map(|before| before.every)).unwrap_or(1);
-        if let Some(Saved { drive: known, step: saved, every: saved_every, .. }) = before {
+        if let Some(SavedRun { drive: known, step: saved, every: saved_every, .. }) = before {
             require(
                 drive.fingerprint() == *known,
                 || "the saved run had another drive: give the same drive file as before, or --no-drive as before",

@@ -22,16 +22,17 @@ mod terminals;
 mod unit;
 mod write;
 
-pub use archive::{Allowance, Archive, write_archive};
+pub use archive::{Allowance, ArchiveReader, write_archive};
 pub(crate) use archive::{ZipFile, entry, open_zip, sound};
 pub use connect::{Connected, connect};
 pub(crate) use document::wrong_at;
 pub use document::{
-    Component, Connection, Connector, Extent, Kind, Parameter, Port, STRUCTURE_FILE, SystemStructure, Type,
+    Causality, Connection, Connector, Extent, FmiType, Port, STRUCTURE_FILE, SspComponent, SspParameter,
+    SystemStructure,
 };
-pub use interface::{CoSimulation, Dimension, Interface, Single, Variable};
+pub use interface::{ArrayDimension, CoSimulation, FmuVariable, Interface, Single};
 pub(crate) use interface::{place_of, written};
 pub use participant::Participant;
 pub use terminals::Terminal;
 pub(crate) use terminals::{LARGEST_TERMINALS, TERMINALS_FILE};
-pub use unit::{Affine, Unit, UnitOf, conversion};
+pub use unit::{Affine, SspUnit, UnitOf, conversion};

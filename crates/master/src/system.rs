@@ -10,13 +10,13 @@
 //! Initial values: while all components are in initialization mode, outputs are read and inputs are set as many times as
 //! there are components, or until nothing changes. The longest chain without a loop then has its values.
 
-use crate::calls::{Instance, Value};
-use crate::error::{Place, Result, require};
+use crate::calls::{FmiValue, FmuInstance};
+use crate::error::{ErrorPlace, Result, require};
 use crate::fmu::Fmu;
-use crate::instance::Selection;
+use crate::instance::ValueSelection;
 use crate::notes;
 use crate::saved::ComponentRecord;
-use crate::ssp::{Affine, Single, Type};
+use crate::ssp::{Affine, FmiType, Single};
 use lemons_core::trial::Trial;
 use lemons_fmi::fingerprint;
 use lemons_sim::{Algorithm, Exchange};
@@ -27,16 +27,16 @@ use std::sync::Arc;
 pub(crate) const PLAY_DRIVE: &str = "PlayDrive";
 
 /// An instance in a system.
-pub struct Component {
+pub struct SystemComponent {
     /// Name, unique in the system.
     pub name: String,
     /// Dropped before the files of its FMU.
-    pub instance: Instance,
+    pub instance: FmuInstance,
     /// The FMU of this instance, perhaps of others, too.
     pub fmu: Arc<Fmu>,
 }
 
-impl Component {
+impl SystemComponent {
     /// Reads the Trial that it runs; `None` if its FMU contains none. The instance must be initialized.
     ///
     /// # Errors
@@ -52,7 +52,7 @@ impl Component {
 /// Components and the connections between them.
 pub struct System {
     /// In the order of the file.
-    pub components: Vec<Component>,
+    pub components: Vec<SystemComponent>,
     /// In which order components exchange values and step.
     pub algorithm: Algorithm,
     channels: Vec<Channel>,
@@ -73,13 +73,13 @@ impl System {
     /// The FMU cannot be instantiated.
     pub fn of_one(name: &str, fmu: Arc<Fmu>, algorithm: Algorithm) -> Result<System> {
         let instance = fmu.instantiate(name)?;
-        let component = Component { name: name.to_owned(), fmu, instance };
+        let component = SystemComponent { name: name.to_owned(), fmu, instance };
         Ok(System::new(vec![component], algorithm, &[], 0))
     }
 
     /// Connects components by connections of single values, which are so many connections of an SSP.
     pub(crate) fn new(
-        components: Vec<Component>,
+        components: Vec<SystemComponent>,
         algorithm: Algorithm,
         wires: &[Wire],
         connections: usize,
@@ -107,7 +107,7 @@ impl System {
             let [a, b] = [channel.from, channel.to].map(|place| &self.components[place]);
             let same = |(name, single): &(String, Single)| {
                 let other = b.fmu.description.single(name);
-                let real = single.variable.of.class() == Type::Real && name.starts_with("agent[");
+                let real = single.variable.of.class() == FmiType::Real && name.starts_with("agent[");
                 let alike = |other: Single| {
                     let [a, b] = [single.variable, other.variable].map(|of| (of.of.class(), &of.unit));
                     other.is_parameter() && a == b
@@ -115,7 +115,7 @@ impl System {
                 real && single.is_parameter() && other.is_some_and(alike)
             };
             let names: Vec<String> = a.fmu.description.singles().filter(same).map(|(name, _)| name).collect();
-            let values = |component: &Component| -> Result<Vec<f64>> {
+            let values = |component: &SystemComponent| -> Result<Vec<f64>> {
                 component.instance.values(&component.instance.select(&names)?)
             };
             let mut differing: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
@@ -146,7 +146,7 @@ impl System {
     /// # Errors
     /// A component refuses the parameter.
     pub fn stop_drives(&self) -> Result<()> {
-        let plays = |component: &&Component| component.fmu.kind(PLAY_DRIVE).is_some();
+        let plays = |component: &&SystemComponent| component.fmu.kind(PLAY_DRIVE).is_some();
         self.components
             .iter()
             .filter(plays)
@@ -160,7 +160,7 @@ impl System {
     /// An FMU refuses it.
     pub(crate) fn free_mechanical_steps(&self) -> Result<()> {
         const STEP: &str = "TimeStepMechanical";
-        let has = |component: &&Component| component.fmu.kind(STEP).is_some();
+        let has = |component: &&SystemComponent| component.fmu.kind(STEP).is_some();
         self.components.iter().filter(has).try_for_each(|component| component.instance.set_text(&[STEP], "1"))
     }
 
@@ -234,7 +234,7 @@ impl System {
 
     /// Returns what a saved run says of the components.
     pub fn records(&self) -> Vec<ComponentRecord> {
-        let record = |component: &Component| ComponentRecord {
+        let record = |component: &SystemComponent| ComponentRecord {
             chosen: component.fmu.choices(),
             ..ComponentRecord::new(
                 &component.name,
@@ -256,7 +256,7 @@ impl System {
     /// Returns the warnings of the components since the last call.
     pub fn warnings(&self) -> Vec<String> {
         let mut all = Vec::new();
-        for Component { name, instance, .. } in &self.components {
+        for SystemComponent { name, instance, .. } in &self.components {
             let who = if self.components.len() == 1 { String::new() } else { format!("{name}: ") };
             let said = instance.warnings().into_iter();
             all.extend(
@@ -319,8 +319,8 @@ struct Channel {
 
 /// Connected values of one kind.
 struct Values<T> {
-    outputs: Selection,
-    inputs: Selection,
+    outputs: ValueSelection,
+    inputs: ValueSelection,
     maps: Vec<Affine>,
     /// Of the outputs.
     newest: Vec<T>,
@@ -334,7 +334,7 @@ impl Channel {
             all.entry((wire.from.0, wire.to.0)).or_default().push(*wire);
         }
         let channel = |((from, to), wires): ((usize, usize), Vec<Wire>)| {
-            let is_text = |wire: &Wire| wire.from.1.variable.of == Type::String;
+            let is_text = |wire: &Wire| wire.from.1.variable.of == FmiType::String;
             let alike = wires.iter().any(|wire| wire.from.1.variable.name == wire.to.1.variable.name);
             let (texts, numbers): (Vec<Wire>, Vec<Wire>) = wires.into_iter().partition(is_text);
             Channel { from, to, alike, numbers: Values::new(&numbers), texts: Values::new(&texts) }
@@ -343,33 +343,33 @@ impl Channel {
     }
 
     /// Reads the outputs; returns whether one is new.
-    fn read(&mut self, from: &Instance) -> Result<bool> {
+    fn read(&mut self, from: &FmuInstance) -> Result<bool> {
         Ok(self.numbers.read(from)? | self.texts.read(from)?)
     }
 
     /// Sets the inputs.
-    fn send(&self, to: &Instance) -> Result<()> {
+    fn send(&self, to: &FmuInstance) -> Result<()> {
         self.numbers.send(to)?;
         self.texts.send(to)
     }
 }
 
-impl<T: Value> Values<T> {
+impl<T: FmiValue> Values<T> {
     fn new(wires: &[Wire]) -> Values<T> {
         Values {
-            outputs: Selection::new(wires.iter().map(|wire| wire.from.1)),
-            inputs: Selection::new(wires.iter().map(|wire| wire.to.1)),
+            outputs: ValueSelection::new(wires.iter().map(|wire| wire.from.1)),
+            inputs: ValueSelection::new(wires.iter().map(|wire| wire.to.1)),
             maps: wires.iter().map(|wire| wire.map).collect(),
             newest: Vec::new(),
         }
     }
 
-    fn read(&mut self, from: &Instance) -> Result<bool> {
+    fn read(&mut self, from: &FmuInstance) -> Result<bool> {
         let before = std::mem::replace(&mut self.newest, from.values(&self.outputs)?);
         Ok(before != self.newest)
     }
 
-    fn send(&self, to: &Instance) -> Result<()> {
+    fn send(&self, to: &FmuInstance) -> Result<()> {
         let sent = self.newest.iter().zip(&self.maps).map(|(value, map)| value.converted(*map));
         to.set(&self.inputs, &sent.collect::<Vec<T>>())
     }
@@ -377,18 +377,18 @@ impl<T: Value> Values<T> {
 
 fn fingerprint_of(wires: &[Wire]) -> String {
     let line = |Wire { from, to, map }: &Wire| format!("{}.{} -> {}.{} {map:?}", from.0, from.1, to.0, to.1);
-    let of_type = |of: Type| {
+    let of_type = |of: FmiType| {
         let wires = wires.iter().filter(|wire| wire.from.1.variable.of.class() == of);
         let mut lines: Vec<String> = wires.map(line).collect();
         lines.sort_unstable();
         lines.join(" ")
     };
-    let all = [Type::Real, Type::Integer, Type::Boolean, Type::String].map(of_type).join("\n");
+    let all = [FmiType::Real, FmiType::Integer, FmiType::Boolean, FmiType::String].map(of_type).join("\n");
     format!("{:032x}", fingerprint(all.as_bytes()))
 }
 
 /// Returns the component that a name `component.variable` leads to, and the variable's name: of several the longest.
-pub(crate) fn component_of<'a>(components: &[Component], name: &'a str) -> Option<(usize, &'a str)> {
+pub(crate) fn component_of<'a>(components: &[SystemComponent], name: &'a str) -> Option<(usize, &'a str)> {
     let candidates = components.iter().enumerate().filter_map(|(place, component)| {
         let variable = name.strip_prefix(component.name.as_str())?.strip_prefix('.')?;
         Some((place, variable))

@@ -1,13 +1,13 @@
 //! A Trial as users give it: its directory, or a zip of that, with the file by which its people move; and the FMU that it
 //! becomes.
 
-use crate::error::{Error, Place, Result, require, scratch};
+use crate::error::{ErrorPlace, MasterError, Result, require, scratch};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::unzip::{renamed, unzip_trial};
-use crowd_mechanics::pack::{Binary, Draw, Format, PackError, Package};
+use crowd_mechanics::pack::{Binary, DrawTrial, FmuFormat, PackError, Package};
 use crowd_mechanics::setup;
-use lemons_core::files::source::Disk;
+use lemons_core::files::source::LocalFiles;
 use lemons_core::files::{Scratch, input};
 use lemons_core::trial::{DriveChoice, DriveTable, Problem, Problems, Trial};
 use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
@@ -111,11 +111,11 @@ impl TrialInput {
         drive: &DriveChoice,
         plan: &PlanChoice,
     ) -> Result<(Documents, Problems, Option<PathBuf>)> {
-        let broken = |problems| Error::Broken { path: self.path.clone(), problems };
+        let broken = |problems| MasterError::Broken { path: self.path.clone(), problems };
         let (trial, problems) = self.read().map_err(broken)?;
         let drive = match drive {
             DriveChoice::Own => self.drive(&trial).map_err(broken)?,
-            other => DriveTable::of(Some(&trial), other).map_err(Error::Drive)?,
+            other => DriveTable::of(Some(&trial), other).map_err(MasterError::Drive)?,
         };
         let plan = match plan {
             PlanChoice::None => None,
@@ -172,8 +172,8 @@ pub fn documents_of(
 pub fn pack(
     trials: &[TrialInput],
     binaries: Vec<Binary>,
-    format: Format,
-    picture: Option<Draw>,
+    format: FmuFormat,
+    picture: Option<DrawTrial>,
     name: &Path,
     file: impl Write + Seek,
 ) -> Result<Vec<String>> {
@@ -183,10 +183,12 @@ pub fn pack(
             .map_or_else(|problems| problems, |_| Problems::default())
     };
     let package = Package { trials: directories, binaries, picture, check: Some(check), format };
-    let packed = package.write_to(&Disk, name, file).map_err(|error| match error {
+    let packed = package.write_to(&LocalFiles, name, file).map_err(|error| match error {
         PackError::Broken { path, problems } => match trials.iter().find(|trial| trial.directory == path) {
-            Some(trial) => Error::Broken { path: trial.path.clone(), problems: trial.renamed(&problems) },
-            None => Error::Broken { path, problems },
+            Some(trial) => {
+                MasterError::Broken { path: trial.path.clone(), problems: trial.renamed(&problems) }
+            }
+            None => MasterError::Broken { path, problems },
         },
         error => error.into(),
     });

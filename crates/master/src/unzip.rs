@@ -1,6 +1,6 @@
 //! An `.fmu`, or a zip of a Trial -> its files in a directory.
 
-use crate::error::{Place, Result, require};
+use crate::error::{ErrorPlace, Result, require};
 use crate::ssp::{Allowance, STRUCTURE_FILE, ZipFile, open_zip, sound};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use lemons_core::files::make_directories;

@@ -1,7 +1,7 @@
 //! Structures and archives, good and bad, as their users meet them.
 
 use lemons_master::ssp::{
-    Allowance, Archive, Interface, Participant, SystemStructure, Terminal, connect, write_archive,
+    Allowance, ArchiveReader, Interface, Participant, SystemStructure, Terminal, connect, write_archive,
 };
 use std::fs::File;
 use std::io::Write;
@@ -28,7 +28,7 @@ fn read(structure: &str) -> Result<SystemStructure, String> {
     let directory = TempDir::new().unwrap();
     let path = directory.path().join("x.ssp");
     zip(&path, &[("SystemStructure.ssd", structure), ("values.ssv", VALUES)]);
-    Archive::open(&path).unwrap().structure().map_err(|error| format!("{error:#}"))
+    ArchiveReader::open(&path).unwrap().structure().map_err(|error| format!("{error:#}"))
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn archives_are_checked_before_anything_is_taken_out() {
     let path = directory.path().join("x.ssp");
     let said = |files: &[(&str, &str)]| {
         zip(&path, files);
-        let read = Archive::open(&path).and_then(|mut archive| archive.structure());
+        let read = ArchiveReader::open(&path).and_then(|mut archive| archive.structure());
         read.unwrap_err().whole()
     };
     let outside = said(&[("SystemStructure.ssd", FOREIGN), ("values.ssv", VALUES), ("../x", "")]);
@@ -95,7 +95,7 @@ fn archives_are_checked_before_anything_is_taken_out() {
     assert!(said(&[("SystemStructure.ssd", FOREIGN)]).contains("there is no values.ssv"));
     zip(&path, &[("SystemStructure.ssd", FOREIGN), ("values.ssv", VALUES), ("resources/a b.fmu", "it")]);
     let mut copied = Vec::new();
-    let mut archive = Archive::open(&path).unwrap();
+    let mut archive = ArchiveReader::open(&path).unwrap();
     let mut allowance = Allowance::new(3);
     archive.copy("./resources/a%20b.fmu", &mut copied, &mut allowance).unwrap();
     assert_eq!(copied, b"it");
@@ -104,7 +104,7 @@ fn archives_are_checked_before_anything_is_taken_out() {
     // An archive cut in the middle.
     let bytes = std::fs::read(&path).unwrap();
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
-    assert!(Archive::open(&path).is_err());
+    assert!(ArchiveReader::open(&path).is_err());
 }
 
 #[test]
@@ -114,7 +114,7 @@ fn archives_that_unpack_to_a_lot_are_refused() {
     let said = |structure: &str, values: &str| {
         zip(&path, &[("SystemStructure.ssd", structure), ("values.ssv", values)]);
         assert!(path.metadata().unwrap().len() < 1_000_000, "it is a small file");
-        Archive::open(&path).unwrap().structure().unwrap_err().whole()
+        ArchiveReader::open(&path).unwrap().structure().unwrap_err().whole()
     };
     let spaces = " ".repeat(64_000_000);
     let large = said(&format!("{FOREIGN}{spaces}"), VALUES);

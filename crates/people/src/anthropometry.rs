@@ -4,7 +4,7 @@
 //! `data/make_ansur.py` wrote them into `data/ansur.txt`.
 
 use crate::copula::Correlations;
-use crate::person::{Measure, Sex};
+use crate::person::{BodyMeasure, Sex};
 use lemons_core::distribution::bisected;
 use std::sync::LazyLock;
 
@@ -85,9 +85,9 @@ fn parse(text: &str) -> Option<[SexStatistics; 2]> {
     let mut of_a_sex = || {
         let count = number()? as u32;
         let mut measures = Vec::new();
-        for measure in Measure::ALL {
+        for measure in BodyMeasure::ALL {
             // Lengths are in 10 µm, masses in g.
-            let units = if measure == Measure::Mass { 1e3 } else { 1e5 };
+            let units = if measure == BodyMeasure::Mass { 1e3 } else { 1e5 };
             let (mean, sd, tail) = (number()? / units, number()? / units, number()?);
             let quantiles = (0..=CELLS).map(|_| Some(number()? / units)).collect::<Option<_>>()?;
             measures.push(MeasureStatistics { mean, sd, quantiles, tail });

@@ -24,14 +24,14 @@ mod slices;
 mod template;
 
 pub use export::{write_geojson, write_obj, write_stl, write_wkt};
-pub use figure::{Figure, Placed, people_fitting, person_fitting};
+pub use figure::{Figure, PlacedPeople, people_fitting, person_fitting};
 pub use landmarks::TORSO_ALTITUDE;
 pub use mesh::{MeshPart, packed};
 pub use sections::{CrowdSection, section};
-pub use slices::Polygon;
+pub use slices::BodySlice;
 
 use crate::error::{Result, require};
-use crate::person::{Measure, Person};
+use crate::person::{BodyMeasure, Person};
 use lemons_core::plane::{Vec2, vec2};
 use skin::Ring;
 use slices::volume;
@@ -45,7 +45,7 @@ const GIRTH_FACTORS: [f64; 2] = [0.8, 1.25];
 
 /// A closed part of a body, separate from the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Part {
+pub enum BodyPart {
     /// From the crotch to the top of the head; above the armpits it includes the upper arms.
     Trunk,
     /// From the armpit to the fingertips.
@@ -58,18 +58,19 @@ pub enum Part {
     RightLeg,
 }
 
-impl Part {
+impl BodyPart {
     /// All parts, in the order in which a body lists them.
-    pub const ALL: [Part; 5] = [Part::Trunk, Part::LeftArm, Part::RightArm, Part::LeftLeg, Part::RightLeg];
+    pub const ALL: [BodyPart; 5] =
+        [BodyPart::Trunk, BodyPart::LeftArm, BodyPart::RightArm, BodyPart::LeftLeg, BodyPart::RightLeg];
 
     /// Returns the name used in files.
     pub fn name(self) -> &'static str {
         match self {
-            Part::Trunk => "trunk",
-            Part::LeftArm => "left_arm",
-            Part::RightArm => "right_arm",
-            Part::LeftLeg => "left_leg",
-            Part::RightLeg => "right_leg",
+            BodyPart::Trunk => "trunk",
+            BodyPart::LeftArm => "left_arm",
+            BodyPart::RightArm => "right_arm",
+            BodyPart::LeftLeg => "left_leg",
+            BodyPart::RightLeg => "right_leg",
         }
     }
 }
@@ -181,10 +182,12 @@ impl Body3d {
     /// Checks a body; messages are of the person that is this many times as large.
     fn within_limits(body: &Person, person: &Person, size: f64) -> Result<()> {
         let measures = body.measures().into_iter().zip(person.measures());
-        for ((measure, (value, given)), (least, most)) in Measure::ALL.into_iter().zip(measures).zip(LIMITS) {
+        for ((measure, (value, given)), (least, most)) in
+            BodyMeasure::ALL.into_iter().zip(measures).zip(LIMITS)
+        {
             let (name, unit) = (measure.name(), measure.unit());
             require((least..=most).contains(&value), || {
-                let by = if measure == Measure::Mass { size * size * size } else { size };
+                let by = if measure == BodyMeasure::Mass { size * size * size } else { size };
                 let [least, most] = [least, most].map(|limit| (limit * by * 1000.0).round() / 1000.0);
                 format!("{name} = {given} {unit}: must be from {least} to {most} {unit} for a body")
             })?;
@@ -196,7 +199,7 @@ impl Body3d {
     /// Moves the body so that the centroid of the section at the torso's altitude is on the axis.
     fn about_torso(mut self) -> Body3d {
         let torso = self.slice_at(self.torso_altitude());
-        let area: f64 = torso.iter().map(Polygon::area).sum();
+        let area: f64 = torso.iter().map(BodySlice::area).sum();
         let moment =
             torso.iter().fold(Vec2::zeros(), |sum, polygon| sum + polygon.centroid() * polygon.area());
         let ahead = vec2(moment.x / area, 0.0);
@@ -206,8 +209,8 @@ impl Body3d {
         self
     }
 
-    fn parts(&self) -> impl Iterator<Item = (Part, &Vec<Ring>)> {
-        Part::ALL.into_iter().zip(&self.rings)
+    fn parts(&self) -> impl Iterator<Item = (BodyPart, &Vec<Ring>)> {
+        BodyPart::ALL.into_iter().zip(&self.rings)
     }
 
     /// Returns the altitude \[m\] at which bideltoid breadth and chest depth are measured: [`TORSO_ALTITUDE`] ×

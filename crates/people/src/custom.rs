@@ -36,7 +36,7 @@
 use crate::bicycle::PAPER_BICYCLES;
 use crate::copula::Correlations;
 use crate::error::{PeopleError, Result};
-use crate::kinds::Kind;
+use crate::kinds::PersonKind;
 use crate::person::Sex;
 use crate::population::CustomMeasures;
 use lemons_core::distribution::TruncatedNormal;
@@ -57,7 +57,7 @@ pub struct Custom {
     /// Shares of kinds; empty: none.
     pub mix: BTreeMap<String, f64>,
     /// Kinds beside those of [`Kinds::built_in`](crate::Kinds::built_in).
-    pub kinds: BTreeMap<String, Kind>,
+    pub kinds: BTreeMap<String, PersonKind>,
 }
 
 #[derive(Deserialize, Default)]
@@ -69,7 +69,7 @@ struct File {
     female: People,
     bicycle: Bicycles,
     mix: BTreeMap<String, f64>,
-    kinds: BTreeMap<String, Kind>,
+    kinds: BTreeMap<String, PersonKind>,
 }
 
 #[derive(Deserialize, Default)]

@@ -36,11 +36,11 @@ pub use bands::THICKNESS;
 pub use enclosing::{Enclosing, WIDEST_DOOR};
 pub use gap::{DOOR, Gap, Leads};
 pub use join::{Joined, WIDEST_GAP};
-pub use place::Place;
-pub use plan::{Plan, Settings as PlanSettings};
+pub use place::NamedPlace;
+pub use plan::{FloorPlan, FloorPlanSettings as PlanSettings};
 pub use proposal::Proposal;
 pub use read::{Read, sizes};
-pub use role::Role;
+pub use role::LayerRole;
 pub use sort::{Flight, Layer, Sort};
 pub use write::{write_plan, written_formats};
 
@@ -65,7 +65,7 @@ const MOST_LETTERS: usize = 255;
 
 /// A format of drawings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
+pub enum DrawingFormat {
     /// Drawing Exchange Format of AutoCAD, as text.
     Dxf,
     /// RFC 7946, but in a plane.
@@ -76,15 +76,15 @@ pub enum Format {
     Svg,
 }
 
-impl Format {
+impl DrawingFormat {
     /// Returns the format that the name of a file says; `None` for any other name.
-    pub fn of(path: &Path) -> Option<Format> {
+    pub fn of(path: &Path) -> Option<DrawingFormat> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         Some(match extension.as_str() {
-            "dxf" => Format::Dxf,
-            "geojson" | "json" => Format::GeoJson,
-            "wkt" | "txt" => Format::Wkt,
-            "svg" => Format::Svg,
+            "dxf" => DrawingFormat::Dxf,
+            "geojson" | "json" => DrawingFormat::GeoJson,
+            "wkt" | "txt" => DrawingFormat::Wkt,
+            "svg" => DrawingFormat::Svg,
             _ => return None,
         })
     }
@@ -92,10 +92,10 @@ impl Format {
     /// Returns its name, for messages.
     pub fn name(self) -> &'static str {
         match self {
-            Format::Dxf => "DXF",
-            Format::GeoJson => "GeoJSON",
-            Format::Wkt => "well-known text",
-            Format::Svg => "SVG",
+            DrawingFormat::Dxf => "DXF",
+            DrawingFormat::GeoJson => "GeoJSON",
+            DrawingFormat::Wkt => "well-known text",
+            DrawingFormat::Svg => "SVG",
         }
     }
 }
@@ -131,11 +131,11 @@ pub enum UnitFrom {
 
 /// A polyline of a drawing, or a point.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line {
+pub struct DrawnLine {
     /// As the file has it; empty if there is none.
     pub layer: String,
     /// What its layer, or another name of it, says that it is, and the rest of that name.
-    pub role: Option<(Role, String)>,
+    pub role: Option<(LayerRole, String)>,
     /// A name that the file gives this one.
     pub name: Option<String>,
     /// What it is, as messages call it, with its place in the file: `LINE in line 12`.
@@ -154,9 +154,9 @@ pub struct Line {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
     /// The format that it was in.
-    pub format: Format,
+    pub format: DrawingFormat,
     /// In the order of the file; blocks are resolved.
-    pub lines: Vec<Line>,
+    pub lines: Vec<DrawnLine>,
     /// \[m\] Length of a unit.
     pub unit: f64,
     /// Who says so.
@@ -173,17 +173,20 @@ impl Drawing {
     /// # Errors
     /// It is not of this format, is too large, or does not say its unit. The message names line, entity and value, but
     /// not the file.
-    pub fn read(format: Format, bytes: &[u8], reading: &Reading) -> Result<Drawing> {
+    pub fn read(format: DrawingFormat, bytes: &[u8], reading: &Reading) -> Result<Drawing> {
         let tracer = match format {
-            Format::Dxf => dxf::read(bytes, reading)?,
-            Format::GeoJson => geojson::read(text(bytes)?, reading)?,
-            Format::Wkt => wkt::read(text(bytes)?, reading)?,
-            Format::Svg => svg::read(bytes, reading)?,
+            DrawingFormat::Dxf => dxf::read(bytes, reading)?,
+            DrawingFormat::GeoJson => geojson::read(text(bytes)?, reading)?,
+            DrawingFormat::Wkt => wkt::read(text(bytes)?, reading)?,
+            DrawingFormat::Svg => svg::read(bytes, reading)?,
         };
         let size = || Bounds::of(tracer.lines.iter().flat_map(|line| line.corners.iter().copied()));
         let Some((unit, unit_from)) = tracer.unit else {
             let size = size().map(|bounds| bounds.size());
-            return Err(PeopleError::NoUnit { size: size.map(Into::into), scale: format == Format::Svg });
+            return Err(PeopleError::NoUnit {
+                size: size.map(Into::into),
+                scale: format == DrawingFormat::Svg,
+            });
         };
         require(!tracer.lines.is_empty(), || {
             let what: Vec<String> = tracer.left_out.iter().map(left_out).collect();
@@ -253,7 +256,7 @@ fn text(bytes: &[u8]) -> Result<&str> {
 
 /// What a reader has found so far.
 struct Tracer {
-    lines: Vec<Line>,
+    lines: Vec<DrawnLine>,
     /// Where the length of a unit is known.
     unit: Option<(f64, UnitFrom)>,
     /// \[m\]
@@ -301,7 +304,7 @@ impl Tracer {
     }
 
     /// Takes a line. Corners that repeat the one before are left out.
-    fn take(&mut self, mut line: Line) -> Result<()> {
+    fn take(&mut self, mut line: DrawnLine) -> Result<()> {
         line.corners.dedup();
         while line.closed && line.corners.len() > 1 && line.corners.first() == line.corners.last() {
             line.corners.pop();
@@ -322,8 +325,8 @@ impl Tracer {
     }
 }
 
-impl Line {
-    fn has(&self, role: Role) -> bool {
+impl DrawnLine {
+    fn has(&self, role: LayerRole) -> bool {
         self.role.as_ref().is_some_and(|(of, _)| *of == role)
     }
 

@@ -34,7 +34,7 @@ const MOST_SOLIDS: usize = 100;
 /// Whose statistics give the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Body {
+pub enum BodyStatistics {
     /// The population's adults.
     #[default]
     Adult,
@@ -45,7 +45,7 @@ pub enum Body {
 /// Origin from which the disks of a [`Part`] are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Origin {
+pub enum PartOrigin {
     /// The centroid of the person's shape.
     #[default]
     Centre,
@@ -58,14 +58,14 @@ pub enum Origin {
 /// What goes along with a person, rigidly.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Part {
+pub struct KindPart {
     /// Name of the thing.
     pub name: String,
     /// Id of its material: one of [`PART_MATERIALS`].
     pub material: String,
     /// Origin of its disks.
     #[serde(default)]
-    pub from: Origin,
+    pub from: PartOrigin,
     /// \[m\] Centre ahead and to the left, and radius of each disk.
     pub disks: Vec<[f64; 3]>,
     /// \[kg\] Its mass.
@@ -98,13 +98,13 @@ pub enum Solid {
 /// A kind of people.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Kind {
+pub struct PersonKind {
     /// Name of the kind: its key in the table.
     #[serde(skip)]
     pub name: String,
     /// Whose body it is.
     #[serde(default)]
-    pub person: Body,
+    pub person: BodyStatistics,
     /// \[years\] The youngest and the oldest child; each age between is as likely.
     pub ages: Option<[f64; 2]>,
     /// \[years\] The same of a child at the person's hand.
@@ -126,7 +126,7 @@ pub struct Kind {
     pub floor_damping_across: Option<f64>,
     /// What goes along.
     #[serde(default)]
-    pub parts: Vec<Part>,
+    pub parts: Vec<KindPart>,
     /// What the bicycle looks like in three dimensions, from the middle of the rider.
     #[serde(default)]
     pub solids: Vec<Solid>,
@@ -141,7 +141,7 @@ fn usual_seat() -> f64 {
 
 /// The kinds that a crowd can have, by name.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Kinds(BTreeMap<String, Arc<Kind>>);
+pub struct Kinds(BTreeMap<String, Arc<PersonKind>>);
 
 impl Kinds {
     /// Returns the kinds of the table `data/kinds.toml`.
@@ -149,7 +149,7 @@ impl Kinds {
     /// # Errors
     /// None: a test reads the table.
     pub fn built_in() -> Result<Kinds> {
-        let table: BTreeMap<String, Kind> = toml::from_str(include_str!("../data/kinds.toml"))
+        let table: BTreeMap<String, PersonKind> = toml::from_str(include_str!("../data/kinds.toml"))
             .map_err(|error| PeopleError::new(error.to_string()))?;
         Kinds(BTreeMap::new()).with(table)
     }
@@ -158,24 +158,24 @@ impl Kinds {
     ///
     /// # Errors
     /// A number of a kind is impossible.
-    pub fn with(mut self, kinds: BTreeMap<String, Kind>) -> Result<Kinds> {
+    pub fn with(mut self, kinds: BTreeMap<String, PersonKind>) -> Result<Kinds> {
         for (name, kind) in kinds {
             require(!name.trim().is_empty() && !OTHERS.contains(&&*name), || {
                 format!("kind {name:?}: this name means something else; give it another one")
             })?;
             kind.check().map_err(|error| error.of(format!("kind {name:?}")))?;
-            self.0.insert(name.clone(), Arc::new(Kind { name, ..kind }));
+            self.0.insert(name.clone(), Arc::new(PersonKind { name, ..kind }));
         }
         Ok(self)
     }
 
     /// Returns the kind of a name.
-    pub fn get(&self, name: &str) -> Option<&Arc<Kind>> {
+    pub fn get(&self, name: &str) -> Option<&Arc<PersonKind>> {
         self.0.get(name)
     }
 
     /// Returns all kinds, in the order of their names.
-    pub fn iter(&self) -> impl Iterator<Item = &Kind> {
+    pub fn iter(&self) -> impl Iterator<Item = &PersonKind> {
         self.0.values().map(|kind| &**kind)
     }
 
@@ -183,7 +183,7 @@ impl Kinds {
     ///
     /// # Errors
     /// There is no such kind, a share is negative or not finite, or all are 0.
-    pub fn mix(&self, shares: &BTreeMap<String, f64>) -> Result<Vec<(Arc<Kind>, f64)>> {
+    pub fn mix(&self, shares: &BTreeMap<String, f64>) -> Result<Vec<(Arc<PersonKind>, f64)>> {
         let sum: f64 = shares.values().sum();
         require(sum > 0.0 && sum.is_finite(), || "the shares must sum up to more than 0".to_owned())?;
         let one = |(name, &share): (&String, &f64)| {
@@ -200,12 +200,12 @@ impl Kinds {
     }
 }
 
-impl Kind {
+impl PersonKind {
     fn check(&self) -> Result<()> {
         for (name, speed) in [("speed", Some(&self.speed)), ("speed_women", self.speed_women.as_ref())] {
             speed.map_or(Ok(()), Distribution::check).map_err(|error| PeopleError::new(error).of(name))?;
         }
-        require(self.ages.is_some() == (self.person == Body::Child), || {
+        require(self.ages.is_some() == (self.person == BodyStatistics::Child), || {
             "ages: of children there must be ages, and of adults there are none".to_owned()
         })?;
         for (name, ages) in [("ages", self.ages), ("companion", self.companion)] {
@@ -259,14 +259,14 @@ impl Kind {
         let of_women = self.speed_women.as_ref().filter(|_| person.sex == Sex::Female);
         let speed = of_women.unwrap_or(&self.speed).quantile(random.inside_unit());
         match self.person {
-            Body::Adult => speed,
-            Body::Child => speed * froude(person),
+            BodyStatistics::Adult => speed,
+            BodyStatistics::Child => speed * froude(person),
         }
     }
 
     /// Returns the member that a person, who has a shape, is with a child at its hand.
     pub(crate) fn draw(
-        self: &Arc<Kind>,
+        self: &Arc<PersonKind>,
         person: Person,
         companion: Option<Person>,
         bicycle: Option<Bicycle>,
@@ -283,9 +283,9 @@ impl Kind {
         }
         for part in &self.parts {
             let from = match part.from {
-                Origin::Centre => 0.0,
-                Origin::Front => front,
-                Origin::Back => back,
+                PartOrigin::Centre => 0.0,
+                PartOrigin::Front => front,
+                PartOrigin::Back => back,
             };
             let disk = |&[x, y, radius]: &[f64; 3]| Disk { radius, centre: vec2(from + x, y) };
             let disks = Shape { disks: part.disks.iter().map(disk).collect() };
@@ -317,7 +317,7 @@ pub(crate) fn draw_child(sex: Sex, [from, to]: [f64; 2], ranks: [f64; 2], random
     child(sex, from + (to - from) * random.inside_unit(), ranks.map(inverse))
 }
 
-impl Part {
+impl KindPart {
     fn check(&self) -> Result<()> {
         require(PART_MATERIALS.contains(&&*self.material), || {
             format!("material = {:?}: must be one of {}", self.material, PART_MATERIALS.join(", "))
@@ -385,7 +385,7 @@ pub struct BodyDisk {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Member {
     /// Its kind.
-    pub kind: Arc<Kind>,
+    pub kind: Arc<PersonKind>,
     /// The people it consists of, and their places \[m\] from the centre of mass: the person, and a child at its hand.
     pub people: Vec<(Person, Vec2)>,
     /// The disks: the first one at the left, the last one at the right of the same person or thing.
@@ -447,7 +447,13 @@ impl Pieces {
         self.masses.push((bicycle.mass, Vec2::zeros(), bicycle.inertia()));
     }
 
-    fn member(self, kind: Arc<Kind>, person: Person, beside: Option<(Person, Vec2)>, speed: f64) -> Member {
+    fn member(
+        self,
+        kind: Arc<PersonKind>,
+        person: Person,
+        beside: Option<(Person, Vec2)>,
+        speed: f64,
+    ) -> Member {
         let mass: f64 = self.masses.iter().map(|part| part.0).sum();
         let centre = self.masses.iter().fold(Vec2::zeros(), |sum, part| sum + part.1 * part.0) * (1.0 / mass);
         let inertia = self.masses.iter().map(|part| part.2 + part.0 * (part.1 - centre).norm_squared()).sum();

@@ -29,25 +29,25 @@ mod trial;
 pub use anthropometry::{MeasureStatistics, SexStatistics, ansur};
 pub use bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES};
 pub use body3d::{
-    Body3d, CrowdSection, Figure, MeshPart, Part, Placed, Polygon, TORSO_ALTITUDE, packed, people_fitting,
-    person_fitting, section, write_geojson, write_obj, write_stl, write_wkt,
+    Body3d, BodyPart, BodySlice, CrowdSection, Figure, MeshPart, PlacedPeople, TORSO_ALTITUDE, packed,
+    people_fitting, person_fitting, section, write_geojson, write_obj, write_stl, write_wkt,
 };
 pub use copula::Correlations;
 pub use cover::{Cover, MOST_COVERING, cover};
 pub use custom::Custom;
 pub use doors::{Door, closed_walls, cut_doors, cut_doors_in_all, nearest_wall};
 pub use error::PeopleError;
-pub use kinds::{Body, BodyDisk, Kind, Kinds, Member, Origin, Part as KindPart, Solid};
+pub use kinds::{BodyDisk, BodyStatistics, KindPart, Kinds, Member, PartOrigin, PersonKind, Solid};
 pub use lemons_core::distribution::{Distribution, Range, TruncatedNormal};
 pub use lemons_core::plane::is_closed;
 pub use lemons_core::plane::{Disk, Moments};
 pub use light_xml::light_xml;
 pub use materials::{PART_MATERIALS, SKINS, materials, paper_materials};
-pub use person::{Measure, Person, Sex};
-pub use population::{Agent, CustomMeasures, Population, Source, Statistics};
+pub use person::{BodyMeasure, Person, Sex};
+pub use population::{CrowdMember, CustomMeasures, Population, PopulationSource, Statistics};
 pub use shape::Shape;
 pub use survey::Survey;
-pub use table::{CrowdStatistics, KindStatistics, Summary, crowd_csv};
+pub use table::{CrowdStatistics, KindStatistics, MeasureSummary, crowd_csv};
 pub use trial::{
     TRIAL_FILES, TrialSettings, choose_mechanical_step, crowd_trial, heading, may_write, mechanical_step_for,
     walls, write_trial, write_trial_zip, zip_trial,

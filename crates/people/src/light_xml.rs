@@ -26,30 +26,30 @@
 //! `min_y`, `max_x`, `max_y`. The paper prints no example.
 
 use crate::error::Result;
-use crate::population::Agent;
+use crate::population::CrowdMember;
 use crate::shape::Shape;
 use crate::trial::FLOOR_DAMPING;
 use lemons_core::plane::{Disk, Pose, vec2};
-use lemons_core::xml::{Layout, Out, number};
+use lemons_core::xml::{Layout, XmlWriter, number};
 
 /// Returns the text of the file. Ids are places in the crowd; numbers are the shortest decimals that are read back as
 /// the same doubles. Bicycles are drawn along the axis that is nearest to their direction.
 ///
 /// # Errors
 /// A person has no shape.
-pub fn light_xml(crowd: &[(Agent, Pose)]) -> Result<String> {
+pub fn light_xml(crowd: &[(CrowdMember, Pose)]) -> Result<String> {
     let shapes = crowd.iter().map(|(agent, _)| agent.shape()).collect::<Result<Vec<_>>>()?;
-    Ok(Out::document(Layout::PAPER, "Agents", &[], |out| {
+    Ok(XmlWriter::document(Layout::PAPER, "Agents", &[], |out| {
         for (id, ((agent, pose), shape)) in crowd.iter().zip(&shapes).enumerate() {
             out.element("Agent", &[], |out| write_agent(out, id, agent, shape, pose));
         }
     }))
 }
 
-fn write_agent(out: &mut Out, id: usize, agent: &Agent, shape: &Shape, pose: &Pose) {
+fn write_agent(out: &mut XmlWriter, id: usize, agent: &CrowdMember, shape: &Shape, pose: &Pose) {
     let inertia = match agent {
-        Agent::Pedestrian(person) => shape.inertia(person.mass),
-        Agent::Member(member) => member.inertia,
+        CrowdMember::Pedestrian(person) => shape.inertia(person.mass),
+        CrowdMember::Member(member) => member.inertia,
     };
     let bicycle = agent.member().and_then(|member| member.bicycle.as_ref());
     out.text("type", bicycle.map_or("pedestrian", |_| "bike"));
@@ -106,7 +106,8 @@ mod tests {
         let poses = [Pose { position: vec2(-3.0, 7.0), orientation: 0.1 }, along_y];
         let kinds = Kinds::built_in().unwrap();
         let rider = kinds.get("bicycle").unwrap().draw(person, None, Some(bicycle), &mut Random::new(1));
-        let crowd = [(Agent::Pedestrian(person), poses[0]), (Agent::Member(Box::new(rider)), poses[1])];
+        let crowd =
+            [(CrowdMember::Pedestrian(person), poses[0]), (CrowdMember::Member(Box::new(rider)), poses[1])];
         let text = light_xml(&crowd).unwrap();
         let disk = |(place, disk): (usize, Disk)| {
             format!(

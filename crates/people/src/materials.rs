@@ -1,7 +1,7 @@
 //! Materials of people, of walls, and of what goes along with people.
 
 use lemons_core::files::source::Memory;
-use lemons_core::trial::{Contact, Material, Materials};
+use lemons_core::trial::{ContactCoefficients, Material, Materials};
 use std::path::Path;
 use std::sync::LazyLock;
 
@@ -49,7 +49,7 @@ pub fn materials() -> Materials {
         ("human_naked", 1200.0, 0.4),
         (SOFT, 600.0, 0.4),
     ];
-    let contact = |one: &str, other: &str, gamma, kinetic_friction| Contact {
+    let contact = |one: &str, other: &str, gamma, kinetic_friction| ContactCoefficients {
         id1: one.into(),
         id2: other.into(),
         gamma_normal: gamma,

@@ -29,7 +29,7 @@ impl Sex {
 
 /// One of a person's measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Measure {
+pub enum BodyMeasure {
     /// \[m\] bideltoid breadth.
     Breadth,
     /// \[m\] chest depth.
@@ -40,17 +40,18 @@ pub enum Measure {
     Mass,
 }
 
-impl Measure {
+impl BodyMeasure {
     /// All measures, in the order of all tables and matrices here.
-    pub const ALL: [Measure; 4] = [Measure::Breadth, Measure::Depth, Measure::Stature, Measure::Mass];
+    pub const ALL: [BodyMeasure; 4] =
+        [BodyMeasure::Breadth, BodyMeasure::Depth, BodyMeasure::Stature, BodyMeasure::Mass];
 
     /// Name, unit and range.
     fn about(self) -> (&'static str, &'static str, [f64; 2]) {
         match self {
-            Measure::Breadth => ("bideltoid breadth", "m", [0.1, 2.0]),
-            Measure::Depth => ("chest depth", "m", [0.05, 2.0]),
-            Measure::Stature => ("stature", "m", [0.3, 3.0]),
-            Measure::Mass => ("mass", "kg", [1.0, 500.0]),
+            BodyMeasure::Breadth => ("bideltoid breadth", "m", [0.1, 2.0]),
+            BodyMeasure::Depth => ("chest depth", "m", [0.05, 2.0]),
+            BodyMeasure::Stature => ("stature", "m", [0.3, 3.0]),
+            BodyMeasure::Mass => ("mass", "kg", [1.0, 500.0]),
         }
     }
 
@@ -102,7 +103,7 @@ impl Person {
     /// # Errors
     /// A measure is not positive and finite, or the chest is deeper than the shoulders are broad.
     pub fn check(&self) -> Result<()> {
-        for (measure, value) in Measure::ALL.into_iter().zip(self.measures()) {
+        for (measure, value) in BodyMeasure::ALL.into_iter().zip(self.measures()) {
             require(value > 0.0 && value.is_finite(), || {
                 format!("{} = {value} {}: must be positive and finite", measure.name(), measure.unit())
             })?;

@@ -71,7 +71,7 @@ impl Orientation {
 
 /// How shapes are placed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Settings {
+pub struct PlacingSettings {
     /// The direction that the shapes face.
     pub orientation: Orientation,
     /// The same seed gives the same placing.
@@ -118,11 +118,12 @@ impl Method {
         self,
         shapes: &[Shape],
         region: &Region,
-        settings: &Settings,
+        settings: &PlacingSettings,
         watch: &mut Watch,
     ) -> Result<Packing> {
         // Another stream of random numbers than that of the people.
-        let settings = Settings { seed: settings.seed.wrapping_add(0x9e37_79b9_7f4a_7c15), ..*settings };
+        let settings =
+            PlacingSettings { seed: settings.seed.wrapping_add(0x9e37_79b9_7f4a_7c15), ..*settings };
         let packing = match self {
             Method::Dense => dense(&wider(shapes), region, &settings, watch)?,
             Method::Paper => paper(&wider(shapes), region, &settings, watch),
@@ -136,7 +137,7 @@ impl Method {
 
 /// The progress of a placing algorithm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Progress {
+pub struct PlacingProgress {
     /// Its present stage.
     pub stage: Stage,
     /// Iterations done.
@@ -198,7 +199,7 @@ pub struct Packing {
 }
 
 /// Callback for progress. If it returns `Break`, the algorithm stops and returns what it has.
-pub type Watch<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + 'a;
+pub type Watch<'a> = dyn FnMut(&PlacingProgress) -> ControlFlow<()> + 'a;
 
 /// The same shapes with disks that are larger by [`TOLERANCE`]: where these are placed, the shapes themselves overlap by
 /// nothing.

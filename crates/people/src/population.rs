@@ -4,8 +4,8 @@ use crate::anthropometry::{SexStatistics, ansur};
 use crate::bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES};
 use crate::copula::{Copula, Correlations};
 use crate::error::{PeopleError, Result, require};
-use crate::kinds::{Body, Kind, Member, draw_child};
-use crate::person::{Measure, Person, Sex};
+use crate::kinds::{BodyStatistics, Member, PersonKind, draw_child};
+use crate::person::{BodyMeasure, Person, Sex};
 use crate::random::Random;
 use crate::shape::Shape;
 use crate::survey::Survey;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// The source of the people of a [`Population`].
 #[derive(Debug, Clone, PartialEq)]
-pub enum Source {
+pub enum PopulationSource {
     /// Statistics, in the order of [`Sex::ALL`].
     Statistics(Box<[Statistics; 2]>),
     /// Real people, drawn with replacement.
@@ -24,26 +24,26 @@ pub enum Source {
     Fixed(Person),
 }
 
-impl Source {
+impl PopulationSource {
     /// Returns the statistics of the public survey ANSUR II, see [`ansur`].
     ///
     /// # Errors
     /// None: the survey's own statistics are possible.
-    pub fn ansur() -> Result<Source> {
+    pub fn ansur() -> Result<PopulationSource> {
         let [men, women] = Sex::ALL.map(|sex| {
             let survey = ansur(sex);
             Statistics::new(sex, &survey.spearman, Margins::Survey(survey))
         });
-        Ok(Source::Statistics(Box::new([men?, women?])))
+        Ok(PopulationSource::Statistics(Box::new([men?, women?])))
     }
 
     /// Returns custom statistics, in the order of [`Sex::ALL`].
     ///
     /// # Errors
     /// They are impossible.
-    pub fn custom([men, women]: &[CustomMeasures; 2]) -> Result<Source> {
+    pub fn custom([men, women]: &[CustomMeasures; 2]) -> Result<PopulationSource> {
         let both = [Statistics::custom(Sex::Male, men)?, Statistics::custom(Sex::Female, women)?];
-        Ok(Source::Statistics(Box::new(both)))
+        Ok(PopulationSource::Statistics(Box::new(both)))
     }
 }
 
@@ -76,7 +76,7 @@ impl CustomMeasures {
             ],
         };
         let measures = std::array::from_fn(|k| {
-            let units = if Measure::ALL[k] == Measure::Mass { 1.0 } else { 100.0 };
+            let units = if BodyMeasure::ALL[k] == BodyMeasure::Mass { 1.0 } else { 100.0 };
             TruncatedNormal::from(measures[k].map(|value: f64| value / units))
         });
         CustomMeasures { measures, spearman: ansur(sex).spearman }
@@ -85,37 +85,37 @@ impl CustomMeasures {
 
 /// An agent of a mixed crowd.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Agent {
+pub enum CrowdMember {
     /// A pedestrian.
     Pedestrian(Person),
     /// A person of some kind, with what goes along.
     Member(Box<Member>),
 }
 
-impl Agent {
+impl CrowdMember {
     /// Returns the people who stand upright, with their places \[m\] from the centre of mass: nobody on a bicycle or in a
     /// wheelchair.
     pub fn people(&self) -> Vec<(Person, Vec2)> {
         match self {
-            Agent::Pedestrian(person) => vec![(*person, Vec2::zeros())],
-            Agent::Member(member) if !member.kind.seated => member.people.clone(),
-            Agent::Member(_) => Vec::new(),
+            CrowdMember::Pedestrian(person) => vec![(*person, Vec2::zeros())],
+            CrowdMember::Member(member) if !member.kind.seated => member.people.clone(),
+            CrowdMember::Member(_) => Vec::new(),
         }
     }
 
     /// Returns all people of it, also those who sit.
     pub fn everybody(&self) -> Vec<Person> {
         match self {
-            Agent::Pedestrian(person) => vec![*person],
-            Agent::Member(member) => member.people.iter().map(|(person, _)| *person).collect(),
+            CrowdMember::Pedestrian(person) => vec![*person],
+            CrowdMember::Member(member) => member.people.iter().map(|(person, _)| *person).collect(),
         }
     }
 
     /// Returns the member, if the agent is of a kind.
     pub fn member(&self) -> Option<&Member> {
         match self {
-            Agent::Member(member) => Some(member),
-            Agent::Pedestrian(_) => None,
+            CrowdMember::Member(member) => Some(member),
+            CrowdMember::Pedestrian(_) => None,
         }
     }
 
@@ -125,8 +125,8 @@ impl Agent {
     /// As those of [`Shape::of`].
     pub fn shape(&self) -> Result<Shape> {
         match self {
-            Agent::Pedestrian(person) => Shape::of(person),
-            Agent::Member(member) => Ok(member.shape()),
+            CrowdMember::Pedestrian(person) => Shape::of(person),
+            CrowdMember::Member(member) => Ok(member.shape()),
         }
     }
 }
@@ -159,7 +159,7 @@ impl Statistics {
 
     fn custom(sex: Sex, custom: &CustomMeasures) -> Result<Statistics> {
         let name = sex.name();
-        for (measure, normal) in Measure::ALL.into_iter().zip(custom.measures) {
+        for (measure, normal) in BodyMeasure::ALL.into_iter().zip(custom.measures) {
             let (what, unit) = (measure.name(), measure.unit());
             normal
                 .check()
@@ -214,14 +214,14 @@ impl Statistics {
 /// (a Gaussian copula). A draw whose chest is deeper than its shoulders are broad is repeated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Population {
-    source: Source,
+    source: PopulationSource,
     /// Fraction of men, 0…1; the others are women.
     men: f64,
     bicycles: [TruncatedNormal; 5],
     /// Kinds and their shares, which sum up to 1; empty: adults with nothing.
-    mix: Vec<(Arc<Kind>, f64)>,
+    mix: Vec<(Arc<PersonKind>, f64)>,
     /// Those who ride, and the probability of them; the others are of the mix.
-    riders: Option<(Arc<Kind>, f64)>,
+    riders: Option<(Arc<PersonKind>, f64)>,
     /// Of the stature and the mass of children, in the order of [`Sex::ALL`].
     children: [Copula; 2],
 }
@@ -232,18 +232,20 @@ impl Population {
     /// # Errors
     /// The fraction is outside 0…1, a survey has no people of a sex whose proportion is not 0, or the fixed person is
     /// impossible.
-    pub fn new(source: Source, men: f64) -> Result<Population> {
+    pub fn new(source: PopulationSource, men: f64) -> Result<Population> {
         require((0.0..=1.0).contains(&men), || format!("proportion of men = {men}: must be within 0…1"))?;
         match &source {
-            Source::Statistics(_) => {}
-            Source::Survey(survey) => {
+            PopulationSource::Statistics(_) => {}
+            PopulationSource::Survey(survey) => {
                 for (sex, share) in [(Sex::Male, men), (Sex::Female, 1.0 - men)] {
                     require(share == 0.0 || !survey.people(sex).is_empty(), || {
                         format!("the survey has no {} people, but their proportion is not 0", sex.name())
                     })?;
                 }
             }
-            Source::Fixed(person) => person.check().map_err(|error| error.of("the fixed person"))?,
+            PopulationSource::Fixed(person) => {
+                person.check().map_err(|error| error.of("the fixed person"))?
+            }
         }
         let [of_boys, of_girls] = Sex::ALL.map(|sex| Copula::new(&ansur(sex).spearman));
         let children = [of_boys?, of_girls?];
@@ -262,7 +264,7 @@ impl Population {
     }
 
     /// Makes it a mix of kinds, as [`Kinds::mix`](crate::Kinds::mix) returns it.
-    pub fn mixed(self, mix: Vec<(Arc<Kind>, f64)>) -> Population {
+    pub fn mixed(self, mix: Vec<(Arc<PersonKind>, f64)>) -> Population {
         Population { mix, ..self }
     }
 
@@ -270,7 +272,7 @@ impl Population {
     ///
     /// # Errors
     /// The fraction is outside 0…1.
-    pub fn with_riders(self, pedestrians: f64, kind: Arc<Kind>) -> Result<Population> {
+    pub fn with_riders(self, pedestrians: f64, kind: Arc<PersonKind>) -> Result<Population> {
         require((0.0..=1.0).contains(&pedestrians), || {
             format!("proportion of pedestrians = {pedestrians}: must be within 0…1")
         })?;
@@ -285,9 +287,9 @@ impl Population {
     /// Draws one adult.
     fn draw(&self, random: &mut Random) -> Person {
         match &self.source {
-            Source::Fixed(person) => *person,
-            Source::Statistics(statistics) => statistics[self.sex(random) as usize].draw(random),
-            Source::Survey(survey) => {
+            PopulationSource::Fixed(person) => *person,
+            PopulationSource::Statistics(statistics) => statistics[self.sex(random) as usize].draw(random),
+            PopulationSource::Survey(survey) => {
                 let people = survey.people(self.sex(random));
                 people[random.index(people.len())]
             }
@@ -307,27 +309,27 @@ impl Population {
     }
 
     /// Draws a member of a kind.
-    fn draw_member(&self, kind: &Arc<Kind>, random: &mut Random) -> Agent {
+    fn draw_member(&self, kind: &Arc<PersonKind>, random: &mut Random) -> CrowdMember {
         let person = match (kind.person, kind.ages) {
-            (Body::Child, Some(ages)) => self.draw_child(ages, random),
+            (BodyStatistics::Child, Some(ages)) => self.draw_child(ages, random),
             _ => self.draw(random),
         };
         let companion = kind.companion.map(|ages| self.draw_child(ages, random));
         let mut measure = |normal: TruncatedNormal| normal.quantile(random.inside_unit());
         let bicycle = kind.bicycle.then(|| Bicycle::from_measures(self.bicycles.map(&mut measure)));
-        Agent::Member(Box::new(kind.draw(person, companion, bicycle, random)))
+        CrowdMember::Member(Box::new(kind.draw(person, companion, bicycle, random)))
     }
 
     /// Draws one agent: a pedestrian, a member of the mix, or somebody who rides.
-    fn draw_agent(&self, random: &mut Random) -> Agent {
+    fn draw_agent(&self, random: &mut Random) -> CrowdMember {
         // Also without riders: the same seed gives the same people.
         let rank = random.inside_unit();
         if let Some((kind, _)) = self.riders.as_ref().filter(|(_, share)| rank >= 1.0 - share) {
             return self.draw_member(kind, random);
         }
-        let Some(last) = self.mix.last() else { return Agent::Pedestrian(self.draw(random)) };
+        let Some(last) = self.mix.last() else { return CrowdMember::Pedestrian(self.draw(random)) };
         let mut left = random.inside_unit();
-        let reached = |(_, share): &&(Arc<Kind>, f64)| {
+        let reached = |(_, share): &&(Arc<PersonKind>, f64)| {
             left -= share;
             left < 0.0
         };
@@ -336,7 +338,7 @@ impl Population {
     }
 
     /// Returns an endless sequence of agents, the same for the same seed.
-    pub fn agents(&self, seed: u64) -> impl Iterator<Item = Agent> + use<'_> {
+    pub fn agents(&self, seed: u64) -> impl Iterator<Item = CrowdMember> + use<'_> {
         let mut random = Random::new(seed);
         std::iter::repeat_with(move || self.draw_agent(&mut random))
     }

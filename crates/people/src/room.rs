@@ -1,6 +1,6 @@
 //! A room as it is drawn: its corners and doors, changes that leave doors on their walls, and the walls in the end.
 
-use crate::drawing::Plan;
+use crate::drawing::FloorPlan;
 use crate::error::{PeopleError, Result, require};
 use crate::placing::Region;
 use crate::{Door, cut_doors_in_all, is_closed, nearest_wall, walls};
@@ -21,16 +21,16 @@ pub struct Room {
     pub obstacles: Vec<Vec<Vec2>>,
     /// Further walls, open ones too.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub walls: Vec<Further>,
+    pub walls: Vec<RoomWall>,
     /// Gaps in the walls.
     pub doors: Vec<Door>,
 }
 
 /// A wall that need not be closed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(rename = "Further"))]
 #[serde(deny_unknown_fields)]
-pub struct Further {
+pub struct RoomWall {
     /// \[m\] Corners; the first one is repeated at the end of a closed wall.
     #[cfg_attr(feature = "typescript", ts(as = "Vec<[f64; 2]>"))]
     pub corners: Vec<Vec2>,
@@ -39,7 +39,7 @@ pub struct Further {
     pub of: Option<String>,
 }
 
-impl Further {
+impl RoomWall {
     fn is_closed(&self) -> bool {
         is_closed(&self.corners)
     }
@@ -47,10 +47,10 @@ impl Further {
 
 /// A change of a room. Line 0 is its outline, obstacles and further walls follow; side 0 begins at corner 0.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(rename = "RoomEdit"))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(missing_docs)] // places in m
-pub enum Edit {
+pub enum RoomEdit {
     /// A corner goes elsewhere.
     Move {
         ring: usize,
@@ -76,13 +76,14 @@ pub enum Edit {
 impl Room {
     /// Returns the room of a plan. Closed walls are obstacles, if they lie side by side inside the outline; else they
     /// stay as they are, and so do open ones. Exits on walls are doors. `None` without an outline.
-    pub fn of(plan: &Plan) -> Option<Room> {
+    pub fn of(plan: &FloorPlan) -> Option<Room> {
         let outline = plan.outline?;
-        let corners = |wall: &Further| wall.corners[..wall.corners.len() - 1].to_vec();
-        let wall = |corners: &Vec<Vec2>| Further { corners: corners.clone(), of: None };
-        let mut all: Vec<Further> = plan.walls.iter().map(wall).collect();
+        let corners = |wall: &RoomWall| wall.corners[..wall.corners.len() - 1].to_vec();
+        let wall = |corners: &Vec<Vec2>| RoomWall { corners: corners.clone(), of: None };
+        let mut all: Vec<RoomWall> = plan.walls.iter().map(wall).collect();
         let outline = corners(&all.remove(outline));
-        let (closed, open): (Vec<Further>, Vec<Further>) = all.iter().cloned().partition(Further::is_closed);
+        let (closed, open): (Vec<RoomWall>, Vec<RoomWall>) =
+            all.iter().cloned().partition(RoomWall::is_closed);
         let obstacles: Vec<Vec<Vec2>> = closed.iter().map(corners).collect();
         let doors = plan.doors().into_iter().map(|(_, door)| door).collect();
         Some(if Region::polygon(&outline, &obstacles).is_ok() {
@@ -114,10 +115,10 @@ impl Room {
     ///
     /// # Errors
     /// There is no such corner, or none would be left. The room is then of no use.
-    pub fn change(&mut self, edit: Edit) -> Result<()> {
+    pub fn change(&mut self, edit: RoomEdit) -> Result<()> {
         let before = self.lines()?;
         match edit {
-            Edit::Move { ring, corner, to } => {
+            RoomEdit::Move { ring, corner, to } => {
                 let closed = self.closed_wall(ring);
                 let corners = self.corners(ring, corner)?;
                 corners[corner] = to;
@@ -126,8 +127,8 @@ impl Room {
                     (corners[0], corners[last]) = (to, to);
                 }
             }
-            Edit::Insert { ring, side, at } => self.corners(ring, side)?.insert(side + 1, at),
-            Edit::Remove { ring, corner } => {
+            RoomEdit::Insert { ring, side, at } => self.corners(ring, side)?.insert(side + 1, at),
+            RoomEdit::Remove { ring, corner } => {
                 let closed = self.closed_wall(ring);
                 let corners = self.corners(ring, corner)?;
                 if closed {
@@ -139,7 +140,7 @@ impl Room {
                     corners.remove(corner);
                 }
             }
-            Edit::Clear { ring } => {
+            RoomEdit::Clear { ring } => {
                 self.corners(ring, 0)?.clear();
                 require(!self.outline.is_empty() || before[0].is_empty(), || {
                     "the outline or an obstacle has no corners".to_owned()
@@ -151,7 +152,7 @@ impl Room {
                 // Others have another number now, but are where they were.
                 return Ok(());
             }
-            Edit::Stretch { width, height } => {
+            RoomEdit::Stretch { width, height } => {
                 let Some(Bounds { low, high }) = Bounds::of(before[0].iter().copied()) else { return Ok(()) };
                 for corner in &mut self.outline {
                     corner.x = stretched(corner.x, [low.x, high.x], width);
@@ -181,7 +182,7 @@ impl Room {
     /// Whether a line is a further wall that repeats its first corner.
     fn closed_wall(&self, ring: usize) -> bool {
         let place = ring.checked_sub(1 + self.obstacles.len());
-        place.and_then(|place| self.walls.get(place)).is_some_and(Further::is_closed)
+        place.and_then(|place| self.walls.get(place)).is_some_and(RoomWall::is_closed)
     }
 
     /// Returns a line \[m\] behind each door, where people have left who are in the room now: [`Door::exit`]. Empty if
@@ -206,7 +207,7 @@ impl Room {
         let inside = Region::polygon(&self.outline, &self.obstacles)
             .map_err(|error| PeopleError::new(format!("the room: {error} (the holes are obstacles)")))?;
         let mut geometry = walls(inside.rings(), material);
-        for Further { corners, .. } in &self.walls {
+        for RoomWall { corners, .. } in &self.walls {
             let id = geometry.walls.len().to_string();
             geometry.walls.push(Wall { corners: checked(corners)?, ..wall(id, material) });
         }
@@ -238,7 +239,7 @@ impl Room {
         let known: Vec<&str> = before.walls.iter().map(|wall| &*wall.id).collect();
         let mut free = (0u64..).map(|number| number.to_string()).filter(|id| !known.contains(&&**id));
         let mut walls: Vec<Wall> = Vec::new();
-        for Further { corners, of } in &self.walls {
+        for RoomWall { corners, of } in &self.walls {
             let old = match of {
                 Some(of) => {
                     let place = known.iter().position(|id| id == of);
@@ -302,7 +303,7 @@ mod tests {
         }
     }
 
-    fn changed(edit: Edit) -> Room {
+    fn changed(edit: RoomEdit) -> Room {
         let mut room = room();
         room.change(edit).unwrap();
         room
@@ -310,22 +311,22 @@ mod tests {
 
     #[test]
     fn doors_stay_on_walls_whose_corners_move() {
-        let after = changed(Edit::Move { ring: 0, corner: 2, to: vec2(6.0, 4.0) });
+        let after = changed(RoomEdit::Move { ring: 0, corner: 2, to: vec2(6.0, 4.0) });
         assert_eq!(after.outline[2], vec2(6.0, 4.0));
         // A quarter of the way from (4, 0) to (6, 4).
         assert_eq!(after.doors[0], Door::new(vec2(4.5, 1.0), 0.5));
         assert_eq!(after.doors[1..], room().doors[1..]);
-        let after = changed(Edit::Move { ring: 1, corner: 0, to: vec2(1.0, 0.5) });
+        let after = changed(RoomEdit::Move { ring: 1, corner: 0, to: vec2(1.0, 0.5) });
         assert_eq!(after.doors[2].at, vec2(1.5, 0.75));
         // Millimetres: a third of the way.
         let mut third = room();
         third.doors[0].at = vec2(4.0, 1.0);
-        third.change(Edit::Move { ring: 0, corner: 2, to: vec2(4.0, 3.1) }).unwrap();
+        third.change(RoomEdit::Move { ring: 0, corner: 2, to: vec2(4.0, 3.1) }).unwrap();
         assert_eq!(third.doors[0].at, vec2(4.0, 1.033));
         // Back and forth, also over its neighbour.
         for to in corners([[4.0, 0.0], [9.0, 9.0]]) {
             let mut room = room();
-            room.change(Edit::Move { ring: 0, corner: 2, to }).unwrap();
+            room.change(RoomEdit::Move { ring: 0, corner: 2, to }).unwrap();
             assert!(room.doors[0].at.is_finite());
         }
     }
@@ -337,28 +338,28 @@ mod tests {
             *corner += vec2(-1.0, 10.0);
         }
         far.doors = vec![Door::new(vec2(3.0, 10.75), 0.5)];
-        far.change(Edit::Stretch { width: 5.5, height: 6.0 }).unwrap();
+        far.change(RoomEdit::Stretch { width: 5.5, height: 6.0 }).unwrap();
         assert_eq!(far.outline, corners([[-1.0, 10.0], [4.5, 10.0], [4.5, 16.0], [-1.0, 16.0]]));
         assert_eq!(far.doors[0].at, vec2(4.5, 11.5));
         let mut flat = room();
         flat.outline = corners([[1.0, 0.0], [1.0, 3.0], [1.0, 1.0]]);
-        flat.change(Edit::Stretch { width: 5.0, height: 6.0 }).unwrap();
+        flat.change(RoomEdit::Stretch { width: 5.0, height: 6.0 }).unwrap();
         assert_eq!(flat.outline, corners([[1.0, 0.0], [1.0, 6.0], [1.0, 2.0]]));
     }
 
     #[test]
     fn corners_and_obstacles_come_and_go() {
-        let after = changed(Edit::Insert { ring: 0, side: 3, at: vec2(-1.0, 2.0) });
+        let after = changed(RoomEdit::Insert { ring: 0, side: 3, at: vec2(-1.0, 2.0) });
         assert_eq!(after.outline[3..], corners([[0.0, 3.0], [-1.0, 2.0]]));
         assert_eq!(after.doors, room().doors);
-        let after = changed(Edit::Remove { ring: 0, corner: 0 });
+        let after = changed(RoomEdit::Remove { ring: 0, corner: 0 });
         assert_eq!(after.outline, room().outline[1..]);
-        let after = changed(Edit::Clear { ring: 1 });
+        let after = changed(RoomEdit::Clear { ring: 1 });
         assert_eq!((after.obstacles.len(), &after.doors[..]), (0, &room().doors[..2]));
         let refused = |edit| room().change(edit).unwrap_err().to_string();
-        assert_eq!(refused(Edit::Remove { ring: 0, corner: 4 }), "there is no corner 4 of ring 0");
-        assert_eq!(refused(Edit::Clear { ring: 2 }), "there is no corner 0 of ring 2");
-        assert_eq!(refused(Edit::Clear { ring: 0 }), "the outline or an obstacle has no corners");
+        assert_eq!(refused(RoomEdit::Remove { ring: 0, corner: 4 }), "there is no corner 4 of ring 0");
+        assert_eq!(refused(RoomEdit::Clear { ring: 2 }), "there is no corner 0 of ring 2");
+        assert_eq!(refused(RoomEdit::Clear { ring: 0 }), "the outline or an obstacle has no corners");
     }
 
     #[test]
@@ -386,7 +387,7 @@ mod tests {
             dimensions: Some(vec2(5.0, 4.0)),
             walls: vec![wall("a", open.clone()), wall("0", closed.clone())],
         };
-        let further = |id: &str, corners| Further { corners, of: Some(id.into()) };
+        let further = |id: &str, corners| RoomWall { corners, of: Some(id.into()) };
         let walls = vec![further("a", open), further("0", closed)];
         (geometry, Room { outline: Vec::new(), obstacles: Vec::new(), walls, doors: Vec::new() })
     }
@@ -395,11 +396,11 @@ mod tests {
     fn the_walls_of_a_trial_are_changed_and_keep_ids_and_materials() {
         let (before, mut room) = opened();
         assert_eq!(room.replacing(&before, "new").unwrap(), before);
-        room.change(Edit::Move { ring: 1, corner: 2, to: vec2(5.5, 4.0) }).unwrap();
+        room.change(RoomEdit::Move { ring: 1, corner: 2, to: vec2(5.5, 4.0) }).unwrap();
         // The first corner of a closed wall is its last one, too.
-        room.change(Edit::Move { ring: 2, corner: 3, to: vec2(0.5, 0.5) }).unwrap();
-        room.change(Edit::Insert { ring: 1, side: 0, at: vec2(2.0, -1.0) }).unwrap();
-        room.walls.push(Further { corners: corners([[3.0, 3.0], [4.0, 3.0]]), of: None });
+        room.change(RoomEdit::Move { ring: 2, corner: 3, to: vec2(0.5, 0.5) }).unwrap();
+        room.change(RoomEdit::Insert { ring: 1, side: 0, at: vec2(2.0, -1.0) }).unwrap();
+        room.walls.push(RoomWall { corners: corners([[3.0, 3.0], [4.0, 3.0]]), of: None });
         room.doors = vec![Door::new(vec2(3.5, 3.1), 0.4)];
         let after = room.replacing(&before, "new").unwrap();
         assert_eq!(after.dimensions, before.dimensions);
@@ -411,14 +412,14 @@ mod tests {
         assert_eq!(after.walls[2].corners[0], vec2(3.0, 3.0));
         assert_eq!(after.walls[3].corners[1], vec2(4.0, 3.0));
         // Doors of open walls go along with them.
-        room.change(Edit::Move { ring: 3, corner: 1, to: vec2(5.0, 3.0) }).unwrap();
+        room.change(RoomEdit::Move { ring: 3, corner: 1, to: vec2(5.0, 3.0) }).unwrap();
         assert_eq!(room.doors[0].at, vec2(4.0, 3.0));
-        room.change(Edit::Clear { ring: 3 }).unwrap();
+        room.change(RoomEdit::Clear { ring: 3 }).unwrap();
         assert!(room.walls.len() == 2 && room.doors.is_empty());
-        room.change(Edit::Remove { ring: 2, corner: 0 }).unwrap();
+        room.change(RoomEdit::Remove { ring: 2, corner: 0 }).unwrap();
         assert_eq!(room.walls[1].corners, corners([[2.0, 1.0], [2.0, 2.0]]));
-        room.change(Edit::Clear { ring: 2 }).unwrap();
-        room.change(Edit::Clear { ring: 1 }).unwrap();
+        room.change(RoomEdit::Clear { ring: 2 }).unwrap();
+        room.change(RoomEdit::Clear { ring: 1 }).unwrap();
         assert!(room.replacing(&before, "new").unwrap().walls.is_empty());
     }
 
@@ -426,7 +427,7 @@ mod tests {
     fn walls_that_no_trial_may_have_are_refused() {
         let (before, room) = opened();
         let refused = |walls: &[(&[Vec2], Option<&str>)]| {
-            let further = |&(corners, of): &(&[Vec2], Option<&str>)| Further {
+            let further = |&(corners, of): &(&[Vec2], Option<&str>)| RoomWall {
                 corners: corners.to_vec(),
                 of: of.map(Into::into),
             };
@@ -446,7 +447,7 @@ mod tests {
     fn people_stand_on_both_sides_of_an_open_wall_and_not_across_it() {
         let mut room = Room { doors: Vec::new(), obstacles: Vec::new(), ..room() };
         let (whole, _) = room.uncut("concrete").unwrap();
-        room.walls.push(Further { corners: corners([[2.0, 0.0], [2.0, 2.0]]), of: None });
+        room.walls.push(RoomWall { corners: corners([[2.0, 0.0], [2.0, 2.0]]), of: None });
         room.doors.push(Door::new(vec2(2.0, 1.0), 0.5));
         let (parted, uncut) = room.uncut("concrete").unwrap();
         let geometry = room.with_doors(uncut.clone()).unwrap();
@@ -461,7 +462,7 @@ mod tests {
 
     #[test]
     fn corners_on_each_other_keep_their_numbers() {
-        let after = changed(Edit::Move { ring: 0, corner: 3, to: vec2(0.0, 0.0) });
+        let after = changed(RoomEdit::Move { ring: 0, corner: 3, to: vec2(0.0, 0.0) });
         assert_eq!(after.lines().unwrap()[0].len(), 5);
     }
 }

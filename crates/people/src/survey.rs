@@ -4,7 +4,7 @@
 //! column `weightkg` in tenths of a kg. Bideltoid breadth, chest depth, measured stature and measured mass are read.
 
 use crate::error::{PeopleError, Result, require};
-use crate::person::{Measure, Person, Sex};
+use crate::person::{BodyMeasure, Person, Sex};
 use csv::{ReaderBuilder, StringRecord};
 use lemons_core::trial::{BODY_MASS_INDEX, Problem, Problems};
 use lemons_core::xml::decimal;
@@ -111,7 +111,7 @@ impl Survey {
             for (k, (column, per_unit)) in COLUMNS.into_iter().enumerate() {
                 let value = &record[places[k]];
                 // A number that is not human is in another unit.
-                let [least, most] = Measure::ALL[k].possible().map(|limit| limit * per_unit);
+                let [least, most] = BodyMeasure::ALL[k].possible().map(|limit| limit * per_unit);
                 match decimal(value) {
                     None => refuse(cell(column, value, "must be a decimal number")),
                     Some(number) if !(least..=most).contains(&number) => {

@@ -1,8 +1,8 @@
 //! Tables of a crowd: its agents as CSV, and its statistics.
 
 use crate::bicycle::BICYCLE_MEASURES;
-use crate::person::Measure;
-use crate::population::Agent;
+use crate::person::BodyMeasure;
+use crate::population::CrowdMember;
 use lemons_core::xml::number;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -10,8 +10,8 @@ use std::fmt;
 
 /// Statistics of one measure over some agents.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-pub struct Summary {
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(rename = "Summary"))]
+pub struct MeasureSummary {
     /// Name of the measure.
     pub measure: &'static str,
     /// "m" or "kg".
@@ -38,7 +38,7 @@ pub struct KindStatistics {
     pub proportion: f64,
     /// Statistics of each measure, in the order of [`Measure::ALL`]; then those of all that a member is, and of its
     /// bicycle, [`BICYCLE_MEASURES`].
-    pub measures: Vec<Summary>,
+    pub measures: Vec<MeasureSummary>,
 }
 
 /// Statistics of each kind that a crowd has: men, women, kinds of people in the order of their names.
@@ -48,12 +48,12 @@ pub struct CrowdStatistics(pub Vec<KindStatistics>);
 
 impl CrowdStatistics {
     /// Computes the statistics of agents.
-    pub fn of(agents: &[Agent]) -> CrowdStatistics {
-        let people = Measure::ALL.map(|measure| (measure.name(), measure.unit()));
+    pub fn of(agents: &[CrowdMember]) -> CrowdStatistics {
+        let people = BodyMeasure::ALL.map(|measure| (measure.name(), measure.unit()));
         let of_kinds =
             [&people[..], &[("mass of all", "kg"), ("desired speed", "m/s")], &BICYCLE_MEASURES].concat();
         let names: BTreeSet<&str> =
-            agents.iter().filter_map(Agent::member).map(|of| &*of.kind.name).collect();
+            agents.iter().filter_map(CrowdMember::member).map(|of| &*of.kind.name).collect();
         let all = [("male", &people[..]), ("female", &people[..])].into_iter();
         let all = all.chain(names.into_iter().map(|name| (name, &of_kinds[..])));
         let statistics = all.filter_map(|(kind, names)| {
@@ -74,15 +74,15 @@ impl CrowdStatistics {
     }
 }
 
-fn kind_and_measures(agent: &Agent) -> (&str, Vec<f64>) {
+fn kind_and_measures(agent: &CrowdMember) -> (&str, Vec<f64>) {
     match agent {
-        Agent::Member(member) => {
+        CrowdMember::Member(member) => {
             let (person, _) = member.people[0];
             let bicycle = member.bicycle.map(|bicycle| bicycle.measures());
             let bicycle = bicycle.as_ref().map_or(&[][..], |measures| &measures[..]);
             (&member.kind.name, [&person.measures()[..], &[member.mass, member.speed], bicycle].concat())
         }
-        Agent::Pedestrian(person) => (person.sex.name(), person.measures().to_vec()),
+        CrowdMember::Pedestrian(person) => (person.sex.name(), person.measures().to_vec()),
     }
 }
 
@@ -94,7 +94,7 @@ impl fmt::Display for CrowdStatistics {
                 writeln!(f)?;
             }
             write!(f, "{kind}: {count} ({:.1} %)", 100.0 * proportion)?;
-            for Summary { measure, unit, mean, sd, min, max } in measures {
+            for MeasureSummary { measure, unit, mean, sd, min, max } in measures {
                 let (scale, unit) = if *unit == "m" { (100.0, "cm") } else { (1.0, *unit) };
                 write!(f, "\n    {measure:<18}{:8.2}", mean * scale)?;
                 match sd {
@@ -109,12 +109,12 @@ impl fmt::Display for CrowdStatistics {
 }
 
 /// `values` must not be empty.
-fn summary(measure: &'static str, unit: &'static str, values: &[f64]) -> Summary {
+fn summary(measure: &'static str, unit: &'static str, values: &[f64]) -> MeasureSummary {
     // Relative to the first value, so that equal values have no deviation.
     let count = values.len() as f64;
     let mean = values[0] + values.iter().map(|value| value - values[0]).sum::<f64>() / count;
     let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
-    Summary {
+    MeasureSummary {
         measure,
         unit,
         mean,
@@ -134,15 +134,15 @@ const OF_KINDS: [&str; 2] = ["mass_of_all_kg", "desired_speed_m_per_s"];
 /// Returns the agents as CSV, one per line with its index from 0. Of a member of a kind, the measures are its
 /// person's; two more columns have the mass of all and the desired speed. Cells of what somebody has not are empty.
 /// Lengths are in m, masses in kg, as the shortest decimals that are read back as the same doubles.
-pub fn crowd_csv(agents: &[Agent]) -> String {
+pub fn crowd_csv(agents: &[CrowdMember]) -> String {
     // Writing rows of one length into memory cannot fail, so the results are dropped.
     let mut writer = csv::Writer::from_writer(Vec::new());
     let of_kinds = if agents.iter().any(|agent| agent.member().is_some()) { &OF_KINDS[..] } else { &[] };
     let _ = writer.write_record(COLUMNS.split(',').chain(of_kinds.iter().copied()));
     for (id, agent) in agents.iter().enumerate() {
         let (kind, person) = match agent {
-            Agent::Pedestrian(person) => ("pedestrian", person),
-            Agent::Member(member) => (&*member.kind.name, &member.people[0].0),
+            CrowdMember::Pedestrian(person) => ("pedestrian", person),
+            CrowdMember::Member(member) => (&*member.kind.name, &member.people[0].0),
         };
         let row = [id.to_string(), kind.to_owned(), person.sex.name().to_owned()].into_iter();
         let member = agent.member();
@@ -165,14 +165,14 @@ mod tests {
 
     const MAN: Person = Person { sex: Sex::Male, breadth: 0.5, depth: 0.25, stature: 1.75, mass: 80.0 };
 
-    fn member(kind: &str, bicycle: Option<Bicycle>) -> Agent {
+    fn member(kind: &str, bicycle: Option<Bicycle>) -> CrowdMember {
         let kinds = crate::Kinds::built_in().unwrap();
         let member = kinds.get(kind).unwrap().draw(MAN, None, bicycle, &mut crate::random::Random::new(1));
-        Agent::Member(Box::new(member))
+        CrowdMember::Member(Box::new(member))
     }
 
-    fn person(sex: Sex, breadth: f64, mass: f64) -> Agent {
-        Agent::Pedestrian(Person { sex, breadth, depth: 0.25, stature: 1.75, mass })
+    fn person(sex: Sex, breadth: f64, mass: f64) -> CrowdMember {
+        CrowdMember::Pedestrian(Person { sex, breadth, depth: 0.25, stature: 1.75, mass })
     }
 
     #[test]

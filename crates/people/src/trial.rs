@@ -66,7 +66,7 @@ pub fn heading(degrees: f64) -> Vec2 {
 /// A person has no shape, or a material is unknown.
 pub fn crowd_trial(
     name: &str,
-    crowd: &[(crate::Agent, Pose)],
+    crowd: &[(crate::CrowdMember, Pose)],
     geometry: Geometry,
     settings: &TrialSettings,
 ) -> Result<Trial> {
@@ -99,20 +99,20 @@ pub fn crowd_trial(
 }
 
 /// The body of an agent in `Agents.xml`.
-fn body(agent: &crate::Agent, id: usize, settings: &TrialSettings) -> Result<Agent> {
+fn body(agent: &crate::CrowdMember, id: usize, settings: &TrialSettings) -> Result<Agent> {
     let (kind, stature, mass, inertia, disks) = match agent {
-        crate::Agent::Pedestrian(person) => {
+        crate::CrowdMember::Pedestrian(person) => {
             let shape = Shape::of(person)?;
             let inertia = shape.inertia(person.mass);
             let disks = shape.disks.into_iter().map(|disk| BodyDisk { disk, material: None }).collect();
             (None, person.stature, person.mass, inertia, disks)
         }
-        crate::Agent::Member(member) => {
+        crate::CrowdMember::Member(member) => {
             let (person, _) = member.people[0];
             (Some(&member.kind), person.stature, member.mass, member.inertia, member.disks.clone())
         }
     };
-    let shape = |BodyDisk { disk, material }: BodyDisk| lemons_core::trial::Shape {
+    let shape = |BodyDisk { disk, material }: BodyDisk| lemons_core::trial::ShapeElement {
         radius: disk.radius,
         material_id: material.unwrap_or_else(|| settings.people.clone()),
         position: disk.centre,
@@ -260,7 +260,7 @@ mod tests {
     fn two(settings: &TrialSettings) -> Result<Trial> {
         let placed = |breadth, x, y, orientation| {
             let person = Person { sex: Sex::Female, breadth, depth: 0.25, stature: 1.7, mass: 63.3 };
-            (crate::Agent::Pedestrian(person), Pose { position: vec2(x, y), orientation })
+            (crate::CrowdMember::Pedestrian(person), Pose { position: vec2(x, y), orientation })
         };
         let square = Ring::around(Bounds { low: Vec2::zeros(), high: vec2(2.0, 2.0) });
         let crowd = [placed(0.45, 0.5, 0.5, 0.1), placed(0.5, 1.5, 1.4, -2.0)];
@@ -320,9 +320,9 @@ mod tests {
     #[test]
     fn a_wheelchair_is_of_metal_and_says_its_kind() {
         let mix = crate::Kinds::built_in().unwrap().mix(&[("wheelchair".to_owned(), 1.0)].into()).unwrap();
-        let source = crate::Source::ansur().unwrap();
+        let source = crate::PopulationSource::ansur().unwrap();
         let population = crate::Population::new(source, 0.5).unwrap();
-        let agents: Vec<crate::Agent> = population.mixed(mix).agents(1).take(2).collect();
+        let agents: Vec<crate::CrowdMember> = population.mixed(mix).agents(1).take(2).collect();
         let member = agents[0].member().unwrap().clone();
         let pose = |x| Pose { position: vec2(x, 1.0), orientation: 0.0 };
         let crowd = [(agents[0].clone(), pose(1.0)), (agents[1].clone(), pose(3.0))];

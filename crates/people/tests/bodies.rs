@@ -12,7 +12,7 @@ fn people() -> Vec<Person> {
             let mut all = person.measures().into_iter().zip(&ansur(sex).measures);
             all.all(|(value, survey)| (value - survey.mean).abs() <= 2.5 * survey.sd)
         };
-        let population = Population::new(Source::ansur().unwrap(), men).unwrap();
+        let population = Population::new(PopulationSource::ansur().unwrap(), men).unwrap();
         let people = population.agents(2012).flat_map(|agent| agent.people()).map(|(person, _)| person);
         people.filter(usual).take(100).collect::<Vec<_>>()
     };
@@ -29,18 +29,18 @@ fn mean_body(sex: Sex) -> Body3d {
 }
 
 /// \[m\] Girth of an outline.
-fn girth(polygon: &Polygon) -> f64 {
+fn girth(polygon: &BodySlice) -> f64 {
     let around = polygon.points.iter().zip(polygon.points.iter().cycle().skip(1));
     around.map(|(&a, &b)| (b - a).norm()).sum()
 }
 
-fn extent(polygons: &[Polygon], along: fn(&Vec2) -> f64) -> f64 {
+fn extent(polygons: &[BodySlice], along: fn(&Vec2) -> f64) -> f64 {
     let all = || polygons.iter().flat_map(|polygon| &polygon.points).map(along);
     all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min)
 }
 
 fn area(body: &Body3d, z: f64) -> f64 {
-    body.slice_at(z).iter().map(Polygon::area).sum()
+    body.slice_at(z).iter().map(BodySlice::area).sum()
 }
 
 fn surfaces((body, pose): &(&Body3d, Pose)) -> Vec<MeshPart> {
@@ -48,7 +48,7 @@ fn surfaces((body, pose): &(&Body3d, Pose)) -> Vec<MeshPart> {
 }
 
 fn sum_of_areas(section: &CrowdSection) -> f64 {
-    section.bodies.iter().flatten().map(Polygon::area).sum()
+    section.bodies.iter().flatten().map(BodySlice::area).sum()
 }
 
 fn volume(mesh: &[MeshPart]) -> f64 {
@@ -117,7 +117,7 @@ fn heavier_people_have_larger_waists() {
             let mass = mean.mass + heavier * ansur(sex).measures[3].sd;
             let body = Body3d::of(&Person { mass, ..mean }).unwrap();
             let trunk = body.slice_at(0.6 * mean.stature).remove(0);
-            assert_eq!(trunk.part, Part::Trunk);
+            assert_eq!(trunk.part, BodyPart::Trunk);
             girth(&trunk)
         });
         assert!((usual / survey - 1.0).abs() < 0.06, "{usual} {survey}");
@@ -288,7 +288,7 @@ fn geojson_and_wkt_read_back() {
     let read: serde_json::Value = serde_json::from_slice(&file).unwrap();
     assert!(std::str::from_utf8(&file).unwrap().parse::<geojson::GeoJson>().is_ok());
     let polygons = sections.iter().flat_map(|s| s.bodies[0].iter().map(move |polygon| (s.altitude, polygon)));
-    let polygons: Vec<(f64, &Polygon)> = polygons.collect();
+    let polygons: Vec<(f64, &BodySlice)> = polygons.collect();
     let features = read["features"].as_array().unwrap();
     assert_eq!(features.len(), polygons.len());
     for (feature, (altitude, polygon)) in features.iter().zip(polygons) {
@@ -346,13 +346,13 @@ fn mean_bodies_have_the_surveys_girths() {
         let body = mean_body(sex);
         for (z, survey) in table {
             let slice = body.slice_at(z);
-            let of = |polygon: &&Polygon| matches!(polygon.part, Part::LeftLeg | Part::Trunk);
+            let of = |polygon: &&BodySlice| matches!(polygon.part, BodyPart::LeftLeg | BodyPart::Trunk);
             let own = girth(slice.iter().find(of).unwrap());
             assert!((own / survey - 1.0).abs() < 0.06, "{sex:?} at {z}: {own}, survey {survey}");
         }
         let trunk = |z: f64| {
             let slice = body.slice_at(z).into_iter();
-            slice.filter(|polygon| polygon.part == Part::Trunk).collect::<Vec<_>>()
+            slice.filter(|polygon| polygon.part == BodyPart::Trunk).collect::<Vec<_>>()
         };
         assert!((extent(&trunk(table[0].0), |p| p.y) / hip - 1.0).abs() < 0.06);
         assert!((extent(&trunk(table[5].0), |p| p.y) / head - 1.0).abs() < 0.01);
@@ -370,9 +370,9 @@ fn bits_are_kept() {
 }
 
 /// A population of one kind.
-fn all_of(kinds: &Kinds, kind: &Kind) -> Population {
+fn all_of(kinds: &Kinds, kind: &PersonKind) -> Population {
     let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into()).unwrap();
-    let adults = Population::new(Source::ansur().unwrap(), 0.5);
+    let adults = Population::new(PopulationSource::ansur().unwrap(), 0.5);
     adults.unwrap().mixed(mix)
 }
 
@@ -438,8 +438,8 @@ fn a_small_child_has_a_body_of_its_measures() {
 fn figures_that_fit_a_trial_are_those_of_its_kinds() {
     let kinds = Kinds::built_in().unwrap();
     for kind in kinds.iter() {
-        let agents: Vec<Agent> = all_of(&kinds, kind).agents(3).take(3).collect();
-        let crowd: Vec<(Agent, Pose)> =
+        let agents: Vec<CrowdMember> = all_of(&kinds, kind).agents(3).take(3).collect();
+        let crowd: Vec<(CrowdMember, Pose)> =
             agents.iter().cloned().map(|agent| (agent, Pose::default())).collect();
         let trial = crowd_trial("t", &crowd, walls(&[], "concrete"), &TrialSettings::default()).unwrap();
         for (agent, read) in agents.iter().zip(&trial.agents) {

@@ -5,9 +5,9 @@
 use crowd_mechanics::engine::World;
 use crowd_mechanics::setup::Setup;
 use lemons_core::plane::{Pose, Vec2, rotation, vec2};
-use lemons_core::trial::{Contact, Geometry, Material, Trial, Wall, stiffness};
-use lemons_people::{Agent, Person, Sex, Shape, TrialSettings, crowd_trial, paper_materials};
-use lemons_picture::{Chart, ChartPanel, ChartStyle, Line, chart_svg, titled};
+use lemons_core::trial::{ContactCoefficients, Geometry, Material, Trial, Wall, stiffness};
+use lemons_people::{CrowdMember, Person, Sex, Shape, TrialSettings, crowd_trial, paper_materials};
+use lemons_picture::{Chart, ChartPanel, ChartStyle, Curve, chart_svg, titled};
 use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -41,8 +41,8 @@ const PASSAGE: Vec2 = vec2(6.2, 2.7);
 
 /// A Trial of such people at these poses with these velocities \[m/s\], on a floor with this rate \[1/s\].
 fn trial(people: &[(Pose, Vec2)], floor: f64) -> Trial {
-    let crowd: Vec<(Agent, Pose)> =
-        people.iter().map(|(pose, _)| (Agent::Pedestrian(PERSON), *pose)).collect();
+    let crowd: Vec<(CrowdMember, Pose)> =
+        people.iter().map(|(pose, _)| (CrowdMember::Pedestrian(PERSON), *pose)).collect();
     let open = Geometry { dimensions: None, walls: Vec::new() };
     let mut trial = crowd_trial("physics", &crowd, open, &TrialSettings::default()).unwrap();
     for agent in &mut trial.agents {
@@ -61,7 +61,7 @@ fn at(x: f64, y: f64, orientation: f64) -> Pose {
 }
 
 /// People without clothes: the material, and its contact with itself.
-fn skin() -> (Material, Contact) {
+fn skin() -> (Material, ContactCoefficients) {
     let materials = paper_materials();
     let skin = materials.intrinsic.into_iter().find(|m| m.id == "human_naked").unwrap();
     let contact = materials.binary.into_iter().find(|c| c.id1 == skin.id && c.id2 == skin.id).unwrap();
@@ -189,12 +189,12 @@ fn numbers() -> Result<String, std::fmt::Error> {
     Ok(out)
 }
 
-fn panel(label: &str, unit: &str, lines: Vec<Line>) -> ChartPanel {
+fn panel(label: &str, unit: &str, lines: Vec<Curve>) -> ChartPanel {
     ChartPanel { y: titled(label, unit), lines, steps: false }
 }
 
-fn curve(group: usize, name: &str, points: Vec<(f64, f64)>) -> Line {
-    Line { name: name.into(), points, group, dashed: false }
+fn curve(group: usize, name: &str, points: Vec<(f64, f64)>) -> Curve {
+    Curve { name: name.into(), points, group, dashed: false }
 }
 
 fn chart(time: &str, unit: &str, panels: Vec<ChartPanel>, aspect: Option<f64>) -> String {

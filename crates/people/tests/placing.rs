@@ -3,19 +3,20 @@
 use lemons_core::plane::{Bounds, InPlane, Pose, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use lemons_people::placing::{
-    Ended, Method, Orientation, Packing, Progress, Region, Settings, Stage, TOLERANCE, dense, grid, paper,
+    Ended, Method, Orientation, Packing, PlacingProgress, PlacingSettings, Region, Stage, TOLERANCE, dense,
+    grid, paper,
 };
-use lemons_people::{Agent, Disk, PeopleError, Population, Shape, Source};
+use lemons_people::{CrowdMember, Disk, PeopleError, Population, PopulationSource, Shape};
 use std::ops::ControlFlow;
 
 /// Men and women.
 fn people(count: usize, seed: u64) -> Vec<Shape> {
-    let all = Population::new(Source::ansur().unwrap(), 0.5).unwrap();
-    let shape = |agent: Agent| agent.shape().unwrap();
+    let all = Population::new(PopulationSource::ansur().unwrap(), 0.5).unwrap();
+    let shape = |agent: CrowdMember| agent.shape().unwrap();
     all.agents(seed).take(count).map(shape).collect()
 }
 
-fn go(_: &Progress) -> ControlFlow<()> {
+fn go(_: &PlacingProgress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
@@ -95,11 +96,11 @@ fn assert_clear(shapes: &[Shape], region: &Region, packing: &Packing) {
     assert_eq!(packing.clear_density, packing.density);
 }
 
-fn seeded(seed: u64) -> Settings {
-    Settings { seed, ..Settings::default() }
+fn seeded(seed: u64) -> PlacingSettings {
+    PlacingSettings { seed, ..PlacingSettings::default() }
 }
 
-fn placed(shapes: &[Shape], region: &Region, settings: &Settings) -> Packing {
+fn placed(shapes: &[Shape], region: &Region, settings: &PlacingSettings) -> Packing {
     dense(shapes, region, settings, &mut go).unwrap()
 }
 
@@ -118,7 +119,7 @@ fn dense_in_rooms() {
         for seed in 1..=seeds {
             let shapes = people(libm::round(per_area * region.area()) as usize, seed);
             for orientation in [Orientation::Free, Orientation::Towards(1.0), Orientation::Fixed(1.0)] {
-                let packing = placed(&shapes, &region, &Settings { orientation, ..seeded(seed) });
+                let packing = placed(&shapes, &region, &PlacingSettings { orientation, ..seeded(seed) });
                 assert_clear(&shapes, &region, &packing);
                 assert!((packing.density - shapes.len() as f64 / region.area()).abs() < 1e-12);
                 if let Orientation::Fixed(angle) = orientation {
@@ -139,7 +140,7 @@ fn dense_among_desks() {
     let region = Region::polygon(&outer, &desks).unwrap();
     for (number, seed) in [(10, 8), (14, 8), (17, 8), (20, 8), (28, 8), (28, 1), (60, 8), (80, 8)] {
         let shapes = people(number, seed);
-        let settings = Settings { orientation: Orientation::Towards(0.0), ..seeded(seed) };
+        let settings = PlacingSettings { orientation: Orientation::Towards(0.0), ..seeded(seed) };
         let packing = Method::Dense.place(&shapes, &region, &settings, &mut go).unwrap();
         assert!(packing.complete, "{number} people, seed {seed}: {packing:?}");
         assert_clear(&shapes, &region, &packing);
@@ -170,7 +171,7 @@ fn dense_in_the_open() {
     let crowds = [(50, 6.5, 1), (50, 6.5, 2), (50, 6.5, 3), (50, 2.0, 4), (300, 7.0, 5)];
     for (count, density, seed) in crowds.into_iter().chain((0..5).map(|seed| (1, 0.2, seed))) {
         let shapes = people(count, seed);
-        let packing = placed(&shapes, &region, &Settings { density: Some(density), ..seeded(seed) });
+        let packing = placed(&shapes, &region, &PlacingSettings { density: Some(density), ..seeded(seed) });
         assert_clear(&shapes, &region, &packing);
         let found = count as f64 / hull_of_points(&shapes, &packing);
         assert!((found - packing.density).abs() < 1e-4 * found, "{found} {}", packing.density);
@@ -187,13 +188,13 @@ fn dense_in_the_open() {
 #[test]
 fn as_dense_as_it_goes() {
     let (shapes, region) = (people(20, 1), Region::plane());
-    let settings = Settings { limit: Some(10_000), ..Settings::default() };
+    let settings = PlacingSettings { limit: Some(10_000), ..PlacingSettings::default() };
     let packing = placed(&shapes, &region, &settings);
     assert!(packing.complete && packing.density > 7.5, "{packing:?}");
     assert!(brute_force(&shapes, &region, &packing) <= TOLERANCE);
     // A disk alone is its own hull; two touch.
     let disk = Shape { disks: vec![Disk { radius: 0.5, centre: Vec2::zeros() }] };
-    let one = placed(std::slice::from_ref(&disk), &region, &Settings::default());
+    let one = placed(std::slice::from_ref(&disk), &region, &PlacingSettings::default());
     assert!((one.density - 4.0 / std::f64::consts::PI).abs() < 1e-9, "{one:?}");
     let two = placed(&[disk.clone(), disk], &region, &settings);
     let apart = (two.poses[0].position - two.poses[1].position).norm();
@@ -211,7 +212,7 @@ fn same_seed_same_placing() {
     assert_eq!(bits(&with(7)), bits(&with(7)));
     assert_ne!(bits(&with(7)), bits(&with(8)));
     // On any machine: what shakes them, too, has its part in this. Changes whenever the algorithm does.
-    let settings = Settings { limit: Some(3000), ..seeded(7) };
+    let settings = PlacingSettings { limit: Some(3000), ..seeded(7) };
     let mut shook = 0;
     let shaken = dense(&shapes[..40], &square(2.1), &settings, &mut |p| {
         shook += usize::from(p.stage == Stage::Shaking);
@@ -225,8 +226,12 @@ fn same_seed_same_placing() {
         ["6243917c653dab13", "a2b387d6f7fab7f8"]
     );
     let slow = |seed| {
-        let settings =
-            Settings { seed, orientation: Orientation::Free, limit: Some(30), ..Settings::default() };
+        let settings = PlacingSettings {
+            seed,
+            orientation: Orientation::Free,
+            limit: Some(30),
+            ..PlacingSettings::default()
+        };
         paper(&shapes, &region, &settings, &mut go)
     };
     assert_eq!(bits(&slow(7)), bits(&slow(7)));
@@ -237,12 +242,12 @@ fn same_seed_same_placing() {
 #[test]
 fn impossible_densities_are_refused() {
     let shapes = people(40, 1);
-    assert_says(dense(&shapes, &square(1.8), &Settings::default(), &mut go), "40 shapes cover ");
-    let settings = Settings { density: Some(12.0), ..Settings::default() };
+    assert_says(dense(&shapes, &square(1.8), &PlacingSettings::default(), &mut go), "40 shapes cover ");
+    let settings = PlacingSettings { density: Some(12.0), ..PlacingSettings::default() };
     assert_says(dense(&shapes, &Region::plane(), &settings, &mut go), "it cannot hold them");
     for density in [9.3, 10.0f64] {
         let region = square((40.0 / density).sqrt());
-        let settings = Settings { limit: Some(5000), ..Settings::default() };
+        let settings = PlacingSettings { limit: Some(5000), ..PlacingSettings::default() };
         let packing = placed(&shapes, &region, &settings);
         assert!(
             !packing.complete && packing.ended != Ended::Done && packing.iterations < 80_000,
@@ -252,7 +257,7 @@ fn impossible_densities_are_refused() {
         assert!((7.5..9.2).contains(&packing.clear_density), "{}", packing.clear_density);
     }
     // In the open the best without overlap is handed back.
-    let settings = Settings { density: Some(10.2), limit: Some(5000), ..Settings::default() };
+    let settings = PlacingSettings { density: Some(10.2), limit: Some(5000), ..PlacingSettings::default() };
     let packing = placed(&shapes, &Region::plane(), &settings);
     assert!(
         !packing.complete && packing.largest_overlap <= TOLERANCE && packing.density > 8.0,
@@ -266,7 +271,7 @@ fn breaks_off_when_told() {
     for patience in [1, 5, 40] {
         let mut calls = 0;
         let mut last = 0;
-        let packing = dense(&shapes, &region, &Settings::default(), &mut |progress| {
+        let packing = dense(&shapes, &region, &PlacingSettings::default(), &mut |progress| {
             assert!(
                 progress.iteration >= last && progress.iteration <= progress.limit && progress.overlap >= 0.0
             );
@@ -278,9 +283,9 @@ fn breaks_off_when_told() {
         assert_eq!((packing.ended, packing.complete, calls), (Ended::Cancelled, false, patience));
         assert!(packing.poses.iter().all(|p| p.position.is_finite()));
     }
-    let mut stop = |_: &Progress| ControlFlow::Break(());
-    assert_eq!(paper(&shapes, &region, &Settings::default(), &mut stop).ended, Ended::Cancelled);
-    let settings = Settings { density: Some(6.0), ..Settings::default() };
+    let mut stop = |_: &PlacingProgress| ControlFlow::Break(());
+    assert_eq!(paper(&shapes, &region, &PlacingSettings::default(), &mut stop).ended, Ended::Cancelled);
+    let settings = PlacingSettings { density: Some(6.0), ..PlacingSettings::default() };
     assert_eq!(dense(&shapes, &Region::plane(), &settings, &mut stop).unwrap().ended, Ended::Cancelled);
 }
 
@@ -292,12 +297,12 @@ fn paper_places_what_is_not_too_dense() {
         (Region::plane(), Orientation::Towards(0.5)),
         (l_with_pillar(), Orientation::Fixed(0.5)),
     ] {
-        let settings = Settings { orientation, seed: 1, ..Settings::default() };
+        let settings = PlacingSettings { orientation, seed: 1, ..PlacingSettings::default() };
         let packing = paper(&shapes, &region, &settings, &mut go);
         assert_clear(&shapes, &region, &packing);
     }
     // At the same place to begin with, in a region too small: says so.
-    let settings = Settings { limit: Some(50), ..Settings::default() };
+    let settings = PlacingSettings { limit: Some(50), ..PlacingSettings::default() };
     let packing = paper(&shapes, &square(1.0), &settings, &mut go);
     assert!(!packing.complete && packing.largest_overlap > 0.01 && packing.clear_density < packing.density);
 }
@@ -307,7 +312,7 @@ fn grid_in_rows() {
     // Breadth 0.6 along y when facing +x; depth 0.4.
     let disk = |y: f64| Disk { radius: 0.2, centre: vec2(0.0, y) };
     let shapes = vec![Shape { disks: vec![disk(0.1), disk(-0.1)] }; 12];
-    let settings = Settings { orientation: Orientation::Fixed(0.0), ..Settings::default() };
+    let settings = PlacingSettings { orientation: Orientation::Fixed(0.0), ..PlacingSettings::default() };
     // Two rows of three would be 0.8 × 1.8 m: four rows of three fit exactly.
     let region = Region::rectangle(vec2(-1.0, 2.0), vec2(0.6, 3.8)).unwrap();
     let packing = grid(&shapes, &region, &settings).unwrap();
@@ -319,7 +324,7 @@ fn grid_in_rows() {
     let tight = Region::rectangle(vec2(-1.0, 2.0), vec2(0.59, 3.8)).unwrap();
     assert_says(grid(&shapes, &tight, &settings), "has 9 places in the region; 12 shapes are given");
     // Facing +y, the rows lie along x.
-    let turned = Settings { orientation: Orientation::Fixed(std::f64::consts::FRAC_PI_2), ..settings };
+    let turned = PlacingSettings { orientation: Orientation::Fixed(std::f64::consts::FRAC_PI_2), ..settings };
     let region = Region::rectangle(vec2(0.0, 0.0), vec2(1.8, 1.6)).unwrap();
     let packing = grid(&shapes, &region, &turned).unwrap();
     assert_clear(&shapes, &region, &packing);
@@ -330,14 +335,14 @@ fn grid_in_rows() {
 fn grid_of_people_anywhere() {
     let shapes = people(30, 2);
     for orientation in [Orientation::Fixed(0.4), Orientation::Towards(-2.0), Orientation::Free] {
-        let settings = Settings { orientation, seed: 3, ..Settings::default() };
+        let settings = PlacingSettings { orientation, seed: 3, ..PlacingSettings::default() };
         for region in [Region::plane(), l_with_pillar(), square(4.0)] {
             let count = if orientation == Orientation::Free { 10 } else { 20 };
             let packing = grid(&shapes[..count], &region, &settings).unwrap();
             assert_clear(&shapes[..count], &region, &packing);
         }
     }
-    assert_says(grid(&shapes, &square(1.5), &Settings::default()), "30 shapes are given");
+    assert_says(grid(&shapes, &square(1.5), &PlacingSettings::default()), "30 shapes are given");
 }
 
 #[test]
@@ -357,9 +362,9 @@ fn measure_counts_what_overlaps() {
 #[test]
 fn nobody_is_placed_at_once() {
     for region in [square(3.0), Region::plane()] {
-        assert!(dense(&[], &region, &Settings::default(), &mut go).unwrap().poses.is_empty());
-        assert!(grid(&[], &region, &Settings::default()).unwrap().poses.is_empty());
-        assert!(paper(&[], &region, &Settings::default(), &mut go).poses.is_empty());
+        assert!(dense(&[], &region, &PlacingSettings::default(), &mut go).unwrap().poses.is_empty());
+        assert!(grid(&[], &region, &PlacingSettings::default()).unwrap().poses.is_empty());
+        assert!(paper(&[], &region, &PlacingSettings::default(), &mut go).poses.is_empty());
     }
 }
 

@@ -5,8 +5,8 @@
 use crowd_mechanics::engine::World;
 use crowd_mechanics::setup::Setup;
 use lemons_core::plane::{Pose, vec2};
-use lemons_core::trial::{Contact, Geometry, stiffness};
-use lemons_people::{Agent, Person, Sex, Shape, TrialSettings, crowd_trial, materials};
+use lemons_core::trial::{ContactCoefficients, Geometry, stiffness};
+use lemons_people::{CrowdMember, Person, Sex, Shape, TrialSettings, crowd_trial, materials};
 use std::f64::consts::PI;
 
 /// The person of docs/guide/physics.md: 49 cm broad, 25 cm deep, 80 kg.
@@ -17,7 +17,7 @@ const ROW: usize = 20;
 /// People of a material at x \[m\] with a velocity \[m/s\] along x and an orientation \[rad\], without a floor.
 fn world(material: &str, people: &[(f64, f64, f64)]) -> World {
     let pose = |&(x, _, orientation): &(f64, f64, f64)| Pose { position: vec2(x, 0.0), orientation };
-    let crowd: Vec<_> = people.iter().map(|person| (Agent::Pedestrian(PERSON), pose(person))).collect();
+    let crowd: Vec<_> = people.iter().map(|person| (CrowdMember::Pedestrian(PERSON), pose(person))).collect();
     let settings = TrialSettings { people: material.into(), ..TrialSettings::default() };
     let open = Geometry { dimensions: None, walls: Vec::new() };
     let mut trial = crowd_trial("soft", &crowd, open, &settings).unwrap();
@@ -40,7 +40,7 @@ fn is_on_the_page(cells: &str) {
 fn contact(material: &str) -> (f64, f64) {
     let all = materials();
     let own = all.intrinsic.iter().find(|one| one.id == material).unwrap();
-    let with_itself = |contact: &&Contact| contact.id1 == material && contact.id2 == material;
+    let with_itself = |contact: &&ContactCoefficients| contact.id1 == material && contact.id2 == material;
     (stiffness(own, own).0, all.binary.iter().find(with_itself).unwrap().gamma_normal)
 }
 

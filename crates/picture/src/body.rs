@@ -27,7 +27,7 @@ pub(crate) fn drawable(pose: &Pose) -> bool {
 
 /// The drawing of an agent, not yet placed at a pose.
 #[derive(Debug, Clone)]
-pub(crate) struct Body {
+pub(crate) struct DrawnBody {
     /// The disks that can be drawn.
     pub disks: Vec<Disk>,
     /// \[m²\] Area.
@@ -44,8 +44,8 @@ pub(crate) struct Body {
     pub kind: Option<String>,
 }
 
-impl Body {
-    pub fn new(agent: &Agent) -> Body {
+impl DrawnBody {
+    pub fn new(agent: &Agent) -> DrawnBody {
         let disks = agent.disks_facing_x().into_iter().map(|(centre, radius)| Disk { radius, centre });
         let disks: Vec<Disk> =
             disks.filter(|d| near(d.centre) && near(vec2(d.radius, 0.0)) && d.radius > 0.0).collect();
@@ -57,7 +57,7 @@ impl Body {
             let half = d.radius * d.radius - aside * aside;
             (aside.abs() < d.radius).then(|| d.centre.x - middle.x + half.sqrt())
         };
-        Body {
+        DrawnBody {
             area: union(&disks).area,
             reach: disks.iter().map(|d| d.centre.norm() + d.radius).fold(0.0, f64::max),
             front: disks.iter().filter_map(ahead).fold(0.0, f64::max),

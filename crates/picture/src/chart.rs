@@ -5,7 +5,7 @@
 
 use crate::colour::{Colour, Palette, Theme};
 use crate::curve::{Piece, Range, apart, extremes, listed, shared, thinned};
-use crate::glyphs::{self, END, MIDDLE, Place, START};
+use crate::glyphs::{self, END, MIDDLE, START, TextPlace};
 use crate::page::{
     CAP_HEIGHT, CASING, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, dashes, page_width, path, shrunk,
 };
@@ -49,14 +49,14 @@ pub struct ChartPanel {
     /// Name and unit of the y axis: above the panel.
     pub y: String,
     /// Lines, in the order in which they are drawn.
-    pub lines: Vec<Line>,
+    pub lines: Vec<Curve>,
     /// Whether a value holds until the next point (steps), as for counts.
     pub steps: bool,
 }
 
 /// A curve.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Line {
+pub struct Curve {
     /// Name, written at its end after the chart's noun, such as an agent's Id.
     pub name: String,
     /// x and y, x increasing. Values that are not finite interrupt the curve.
@@ -167,10 +167,10 @@ fn drawable(p: &(f64, f64)) -> bool {
 }
 
 /// Draws text, smaller if it is longer than `room`.
-fn fitting(page: &mut Page, class: &str, text: &str, place: Place, room: f64, colour: Colour) {
+fn fitting(page: &mut Page, class: &str, text: &str, place: TextPlace, room: f64, colour: Colour) {
     if !text.is_empty() {
         let shrink = shrunk(glyphs::width(text, place.cap_height), room);
-        let place = Place { cap_height: place.cap_height * shrink, ..place };
+        let place = TextPlace { cap_height: place.cap_height * shrink, ..place };
         page.text_of_colour(class, text, place, colour);
     }
 }
@@ -202,7 +202,7 @@ struct PanelLayout {
 
 impl PanelLayout {
     fn new(panel: &ChartPanel, noun: &str, tall: f64, unit: f64, palette: &Palette) -> PanelLayout {
-        let lines: Vec<&Line> = panel.lines.iter().filter(|l| l.points.iter().any(drawable)).collect();
+        let lines: Vec<&Curve> = panel.lines.iter().filter(|l| l.points.iter().any(drawable)).collect();
         let values = lines.iter().flat_map(|l| &l.points).filter(|p| drawable(p)).map(|p| p.1);
         let y = Range::around(values, true).airy();
         let ticks = y.ticks((tall / (GRID.1 * unit)).max(1.0), panel.steps);
@@ -254,7 +254,7 @@ impl PanelLayout {
 
 /// Counts are often equal: each line is drawn slightly above the one before. The lines of a crowd make a band that is
 /// darker where there are more of them. `tall` is one count in px.
-fn step_aside(strokes: &mut [Stroke], lines: &[&Line], groups: &BTreeSet<usize>, tall: f64, unit: f64) {
+fn step_aside(strokes: &mut [Stroke], lines: &[&Curve], groups: &BTreeSet<usize>, tall: f64, unit: f64) {
     let many = groups.len() > MOST_NAMED;
     let n = groups.len() as f64;
     let each = if many { 0.5 * tall / n } else { (ASIDE * unit).min(0.4 * tall / n) };
@@ -265,7 +265,7 @@ fn step_aside(strokes: &mut [Stroke], lines: &[&Line], groups: &BTreeSet<usize>,
 }
 
 /// Where solid lines are equal, dashes of their colours alternate. Lines that are equal everywhere get one name.
-fn take_turns(strokes: &mut [Stroke], lines: &[&Line], noun: &str, near: f64, palette: &Palette) {
+fn take_turns(strokes: &mut [Stroke], lines: &[&Curve], noun: &str, near: f64, palette: &Palette) {
     let solid: Vec<usize> = (0..strokes.len()).filter(|k| !strokes[*k].dashed).collect();
     let points: Vec<&[(f64, f64)]> = solid.iter().map(|k| strokes[*k].points.as_slice()).collect();
     let (pieces, equal) = shared(&points, near);
@@ -291,13 +291,13 @@ fn called(noun: &str, names: &[&str]) -> String {
 }
 
 /// Few lines: each has its colour, each group one name.
-fn named(lines: &[&Line], noun: &str, unit: f64, palette: &Palette) -> Vec<Stroke> {
+fn named(lines: &[&Curve], noun: &str, unit: f64, palette: &Palette) -> Vec<Stroke> {
     // A group is named beside its first solid line, if it has one.
-    let is_named = |line: &Line| {
+    let is_named = |line: &Curve| {
         let first = lines.iter().filter(|l| l.group == line.group).min_by_key(|l| l.dashed);
         first.is_some_and(|first| std::ptr::eq(*first, line))
     };
-    let stroke = |line: &&Line| {
+    let stroke = |line: &&Curve| {
         let colour = palette.series(line.group);
         let name = is_named(line).then(|| (called(noun, &[&line.name]), colour));
         Stroke { name, ..Stroke::of(line, noun, colour, STROKE * unit) }
@@ -306,17 +306,17 @@ fn named(lines: &[&Line], noun: &str, unit: f64, palette: &Palette) -> Vec<Strok
 }
 
 /// Many lines: all of them pale, their median, and the one with the highest value.
-fn crowd(steps: bool, noun: &str, lines: &[&Line], unit: f64, palette: &Palette) -> Vec<Stroke> {
+fn crowd(steps: bool, noun: &str, lines: &[&Curve], unit: f64, palette: &Palette) -> Vec<Stroke> {
     let opacity = (14.0 / lines.len() as f64).clamp(0.1, 0.5);
-    let pale = |line: &&Line| Stroke { opacity, ..Stroke::of(line, noun, palette.ink, THIN * unit) };
+    let pale = |line: &&Curve| Stroke { opacity, ..Stroke::of(line, noun, palette.ink, THIN * unit) };
     let mut strokes: Vec<Stroke> = lines.iter().map(pale).collect();
     let all_dashed = lines.iter().all(|l| l.dashed);
-    let solid: Vec<&&Line> = lines.iter().filter(|l| all_dashed || !l.dashed).collect();
-    let top = |line: &Line| {
+    let solid: Vec<&&Curve> = lines.iter().filter(|l| all_dashed || !l.dashed).collect();
+    let top = |line: &Curve| {
         let known = line.points.iter().filter(|p| drawable(p));
         known.fold(f64::NEG_INFINITY, |high, p| high.max(p.1))
     };
-    let strong = |class, place, line: Line| {
+    let strong = |class, place, line: Curve| {
         let stroke = Stroke::of(&line, "", palette.series(place), STROKE * unit);
         Stroke { class, name: Some((line.name, stroke.colour)), dashed: false, ..stroke }
     };
@@ -324,7 +324,7 @@ fn crowd(steps: bool, noun: &str, lines: &[&Line], unit: f64, palette: &Palette)
     let highest = solid.iter().copied().reduce(|a, b| if top(b) > top(a) { b } else { a });
     if let Some(line) = highest {
         let name = format!("{} (max)", called(noun, &[&line.name]));
-        strokes.push(strong("highest", 1, Line { name, ..(**line).clone() }));
+        strokes.push(strong("highest", 1, Curve { name, ..(**line).clone() }));
     }
     // Curves may have different x.
     let mut places: Vec<f64> = solid.iter().flat_map(|line| &line.points).map(|p| p.0).collect();
@@ -338,7 +338,7 @@ fn crowd(steps: bool, noun: &str, lines: &[&Line], unit: f64, palette: &Palette)
         let lower = if steps { upper } else { values.len().saturating_sub(1) / 2 };
         (x, middle(lower) + middle(upper))
     });
-    let median = Line { name: "median".to_owned(), points: median.collect(), ..Line::default() };
+    let median = Curve { name: "median".to_owned(), points: median.collect(), ..Curve::default() };
     strokes.push(strong("median", 0, median));
     strokes
 }
@@ -357,7 +357,7 @@ fn value_at(points: &[(f64, f64)], x: f64, steps: bool) -> Option<f64> {
 
 impl Stroke {
     /// Makes a stroke without a name.
-    fn of(line: &Line, noun: &str, colour: Colour, width: f64) -> Stroke {
+    fn of(line: &Curve, noun: &str, colour: Colour, width: f64) -> Stroke {
         let (points, dashed) = (line.points.clone(), line.dashed);
         let class = if dashed { "measured" } else { "simulated" };
         let (pieces, aside, opacity, name) = (Vec::new(), 0.0, 1.0, None);

@@ -1,8 +1,8 @@
 //! The colours of the bodies of scenes.
 
-use crate::body::Body;
+use crate::body::DrawnBody;
 use crate::colour::{Colour, Palette};
-use crate::scene::Scene;
+use crate::scene::PictureScene;
 use crate::style::{Fill, Scale, Style, Values};
 use std::collections::BTreeSet;
 
@@ -19,9 +19,9 @@ pub(crate) struct Colouring {
 impl Colouring {
     /// Chooses the colours of scenes, on one scale. In scenes with a density map the scale is that of the map, and bodies
     /// have no values.
-    pub fn of_all(panels: &[(&Scene, &Style)]) -> Vec<Colouring> {
+    pub fn of_all(panels: &[(&PictureScene, &Style)]) -> Vec<Colouring> {
         let [(first, style), ..] = panels else { return Vec::new() };
-        let values = |(scene, style): &(&Scene, &Style)| match (&scene.density, &style.fill) {
+        let values = |(scene, style): &(&PictureScene, &Style)| match (&scene.density, &style.fill) {
             (Some(map), _) => Some(Values::of(map.values(), "density", "1/m²")),
             (None, Fill::Single(_) | Fill::Kind) => None,
             (None, Fill::BodyArea) => {
@@ -32,7 +32,7 @@ impl Colouring {
         let shown: Vec<Option<Values>> = panels.iter().map(values).collect();
         let known: Vec<&Values> = shown.iter().flatten().collect();
         let all = Scale::spanning(&known, style, first.density.is_some());
-        let colouring = |(shown, (scene, style)): (&Option<Values>, &(&Scene, &Style))| {
+        let colouring = |(shown, (scene, style)): (&Option<Values>, &(&PictureScene, &Style))| {
             let scale = all.clone().filter(|_| shown.is_some());
             let single = match (&style.fill, &scale) {
                 (Fill::Single(colour), None) => *colour,
@@ -43,7 +43,7 @@ impl Colouring {
             let kinds =
                 if style.fill == Fill::Kind { kinds(panels.iter().map(|panel| panel.0)) } else { Vec::new() };
             let palette = Palette::of(style.theme);
-            let of_kind = |body: &Body| {
+            let of_kind = |body: &DrawnBody| {
                 let place = kinds.iter().position(|kind| Some(*kind) == body.kind.as_deref());
                 place.map_or(single, |place| palette.kind(place))
             };
@@ -64,7 +64,7 @@ impl Colouring {
 }
 
 /// Returns the kinds of people in scenes, in the order of their names.
-pub(crate) fn kinds<'a>(scenes: impl Iterator<Item = &'a Scene<'a>>) -> Vec<&'a str> {
+pub(crate) fn kinds<'a>(scenes: impl Iterator<Item = &'a PictureScene<'a>>) -> Vec<&'a str> {
     let all = scenes.flat_map(|scene| scene.bodies.iter()).filter_map(|body| body.kind.as_deref());
     all.collect::<BTreeSet<&str>>().into_iter().collect()
 }

@@ -22,7 +22,7 @@ pub(crate) const END: f64 = 1.0;
 
 /// Position and size of text.
 #[derive(Clone, Copy)]
-pub(crate) struct Place {
+pub(crate) struct TextPlace {
     pub x: f64,
     /// y of the base line.
     pub y: f64,
@@ -71,7 +71,7 @@ pub(crate) fn width(text: &str, cap_height: f64) -> f64 {
 }
 
 /// Writes the text as SVG path data, to be stroked with a round pen of width [`PEN`] cap heights.
-pub(crate) fn strokes(d: &mut String, text: &str, place: Place) {
+pub(crate) fn strokes(d: &mut String, text: &str, place: TextPlace) {
     let unit = place.cap_height / CAP;
     let up = unit * place.up;
     let mut x = place.x - place.anchor * width(text, place.cap_height);

@@ -34,13 +34,13 @@ mod text;
 mod world;
 
 pub use animation::{Animation, AnimationFormat};
-pub use chart::{Chart, ChartPanel, ChartStyle, Line, chart_svg};
+pub use chart::{Chart, ChartPanel, ChartStyle, Curve, chart_svg};
 pub use colour::{Colour, ColourMap, Theme};
 pub use density::{DENSITY_KERNEL, DensityMap};
 pub use lemons_core::plane::{Bounds, Pose};
 pub use pdf::pdf;
 pub use raster::{PictureError, Pixels, pixels, png};
-pub use scene::{Force, Mark, MarkKind, Scene, Trail};
+pub use scene::{DrawnForce, MarkKind, PictureScene, PlaceMark, Trail};
 pub use sheet::{sheet, svg};
 pub use style::{Fill, Style, Values, titled};
 pub use world::ids_without_room;

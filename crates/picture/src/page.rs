@@ -1,7 +1,7 @@
 //! A page, and what is on it beside scenes and curves: texts, legend, scale bar, colour bar.
 
 use crate::colour::{Colour, Palette, Theme};
-use crate::glyphs::{self, END, MIDDLE, PEN, Place, START};
+use crate::glyphs::{self, END, MIDDLE, PEN, START, TextPlace};
 use crate::style::Scale;
 use crate::text::{PX, escaped, in_units, round_below, short, text_of};
 
@@ -87,17 +87,17 @@ impl Page {
     }
 
     /// Returns a place for text of the one size beside scenes.
-    pub fn place(&self, x: f64, y: f64, anchor: f64) -> Place {
-        Place { x, y, cap_height: CAP_HEIGHT * self.unit, anchor, up: -1.0, decimals: PX }
+    pub fn place(&self, x: f64, y: f64, anchor: f64) -> TextPlace {
+        TextPlace { x, y, cap_height: CAP_HEIGHT * self.unit, anchor, up: -1.0, decimals: PX }
     }
 
     /// Draws text beside the scene.
-    pub fn text(&mut self, class: &str, text: &str, place: Place) {
+    pub fn text(&mut self, class: &str, text: &str, place: TextPlace) {
         self.text_of_colour(class, text, place, self.palette.ink);
     }
 
     /// Draws text of a colour, with a label for readers that cannot see strokes.
-    pub fn text_of_colour(&mut self, class: &str, text: &str, place: Place, colour: Colour) {
+    pub fn text_of_colour(&mut self, class: &str, text: &str, place: TextPlace, colour: Colour) {
         let mut d = String::new();
         glyphs::strokes(&mut d, text, place);
         self.out += &format!(
@@ -157,7 +157,7 @@ impl Page {
         let shrink = shrunk(length, self.width - 2.0 * MARGIN * self.unit);
         let x = (0.5 * (x0 + x1)).min(right - 0.5 * length * shrink);
         let place = self.place(x, y - 1.9 * cap, MIDDLE);
-        self.text("label", title, Place { cap_height: cap * shrink, ..place });
+        self.text("label", title, TextPlace { cap_height: cap * shrink, ..place });
         self.out += "</g>\n";
     }
 }

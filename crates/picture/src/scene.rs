@@ -1,13 +1,13 @@
 //! Scenes: the content of a picture.
 
-use crate::body::{Body, drawable, near};
+use crate::body::{DrawnBody, drawable, near};
 use crate::density::DensityMap;
 use lemons_core::plane::{Bounds, Pose, Vec2, vec2};
 use lemons_core::trial::Trial;
 
 /// A contact force, drawn as a line whose width is proportional to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Force {
+pub struct DrawnForce {
     /// \[m\] Centre of one body.
     pub from: Vec2,
     /// \[m\] Centre of the other body, or the contact point on the wall.
@@ -41,7 +41,7 @@ pub enum MarkKind {
 
 /// A place of a plan, drawn above the walls and below the bodies.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mark {
+pub struct PlaceMark {
     /// It selects the colour.
     pub kind: MarkKind,
     /// The title of its path.
@@ -54,7 +54,7 @@ pub struct Mark {
 ///
 /// For a movie: make one scene, fix [`Scene::view`] at the first frame, and set new `poses` for every frame.
 #[derive(Debug, Clone)]
-pub struct Scene<'a> {
+pub struct PictureScene<'a> {
     /// Walls and shapes.
     pub trial: &'a Trial,
     /// One pose for each agent, in their order. An agent without a finite pose is not drawn.
@@ -62,7 +62,7 @@ pub struct Scene<'a> {
     /// The visible part of the plane; `None`: all walls, bodies and trails.
     pub view: Option<Bounds>,
     /// Forces between bodies, drawn on top of them.
-    pub forces: Vec<Force>,
+    pub forces: Vec<DrawnForce>,
     /// \[m\] The middle of the feet of each agent, in their order; empty if people have no legs. Feet are drawn through bodies,
     /// with a line to the centre of mass.
     pub feet: Vec<Vec2>,
@@ -71,15 +71,15 @@ pub struct Scene<'a> {
     /// People per area, drawn below everything else. Bodies are then outlines, and the colour bar shows the density.
     pub density: Option<DensityMap>,
     /// Exits, and other places of a plan.
-    pub marks: Vec<Mark>,
-    pub(crate) bodies: Vec<Body>,
+    pub marks: Vec<PlaceMark>,
+    pub(crate) bodies: Vec<DrawnBody>,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> PictureScene<'a> {
     /// Makes a scene of the agents of a Trial at these poses.
-    pub fn new(trial: &'a Trial, poses: Vec<Pose>) -> Scene<'a> {
-        let bodies = trial.agents.iter().map(Body::new).collect();
-        Scene {
+    pub fn new(trial: &'a Trial, poses: Vec<Pose>) -> PictureScene<'a> {
+        let bodies = trial.agents.iter().map(DrawnBody::new).collect();
+        PictureScene {
             trial,
             poses,
             view: None,
@@ -93,10 +93,10 @@ impl<'a> Scene<'a> {
     }
 
     /// Makes a scene of the Trial as in its files.
-    pub fn at_start(trial: &'a Trial) -> Scene<'a> {
+    pub fn at_start(trial: &'a Trial) -> PictureScene<'a> {
         let poses =
             trial.dynamics.iter().map(|d| Pose { position: d.position, orientation: d.theta }).collect();
-        Scene::new(trial, poses)
+        PictureScene::new(trial, poses)
     }
 
     /// Returns the smallest rectangle around all walls, marks, bodies, feet and trails; a metre about the origin if
@@ -119,7 +119,7 @@ impl<'a> Scene<'a> {
     }
 
     /// The agents that can be drawn, with their indices.
-    pub(crate) fn drawn(&self) -> impl Iterator<Item = (usize, &Pose, &Body)> + Clone {
+    pub(crate) fn drawn(&self) -> impl Iterator<Item = (usize, &Pose, &DrawnBody)> + Clone {
         let all = self.poses.iter().zip(&self.bodies).enumerate();
         all.filter(|(_, (pose, body))| drawable(pose) && !body.disks.is_empty())
             .map(|(k, (pose, body))| (k, pose, body))

@@ -8,7 +8,7 @@ use crate::glyphs::{self, START};
 use crate::page::{
     BAND_GAP, CAP_HEIGHT, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, footer_height, page_width,
 };
-use crate::scene::{MarkKind, Scene};
+use crate::scene::{MarkKind, PictureScene};
 use crate::style::{Fill, Style};
 use crate::text::{in_units, round_below};
 use crate::world::{
@@ -36,7 +36,7 @@ const KIND_STROKE: f64 = 5.0;
 /// as titles), `bodies` (one group for each agent, in their order, with the agent's Id
 /// as title), `feet`, `leans`, `trails` (paths of class `simulated` and `measured`; below the bodies if none is measured),
 /// `forces`, `ids`. Outside the scene, in pixels: `time`, `legend`, `scale-bar`, `colour-bar`.
-pub fn svg(scene: &Scene, style: &Style) -> String {
+pub fn svg(scene: &PictureScene, style: &Style) -> String {
     sheet(&[(scene, style)], 1)
 }
 
@@ -46,18 +46,18 @@ pub fn svg(scene: &Scene, style: &Style) -> String {
 /// covers the values of all scenes.
 ///
 /// Each of several scenes is a group `panel` that contains the groups of [`svg`].
-pub fn sheet(panels: &[(&Scene, &Style)], columns: usize) -> String {
+pub fn sheet(panels: &[(&PictureScene, &Style)], columns: usize) -> String {
     let [(first, style), ..] = panels else { return String::new() };
     let alone = panels.len() == 1;
     let columns = columns.clamp(1, panels.len());
     let rows = panels.len().div_ceil(columns);
-    let scenes: Vec<&Scene> = panels.iter().map(|(scene, _)| *scene).collect();
+    let scenes: Vec<&PictureScene> = panels.iter().map(|(scene, _)| *scene).collect();
     let width = page_width(style.width);
     let colourings = Colouring::of_all(panels);
     let bar = colourings.iter().find_map(|colouring| colouring.scale.as_ref());
 
     let decimals = style.time_decimals.min(9);
-    let heading = |(k, (_, style)): (usize, &(&Scene, &Style))| {
+    let heading = |(k, (_, style)): (usize, &(&PictureScene, &Style))| {
         let time = style.time.filter(|t| t.is_finite());
         let time = time.map_or(String::new(), |t| format!("t = {t:.decimals$} s"));
         // (a), (b), … (z), (aa), (bb), …
@@ -129,7 +129,7 @@ pub fn sheet(panels: &[(&Scene, &Style)], columns: usize) -> String {
 }
 
 /// Returns the view of a scene, not smaller than can be drawn.
-fn view_of(scene: &Scene) -> Bounds {
+fn view_of(scene: &PictureScene) -> Bounds {
     let view = scene.view.filter(|v| near(v.low) && near(v.high)).unwrap_or_else(|| scene.extent());
     let size = view.size();
     let grow = |size: f64| 0.5 * (SMALLEST_VIEW - size).max(0.0);
@@ -138,7 +138,7 @@ fn view_of(scene: &Scene) -> Bounds {
 }
 
 /// Returns the width of lines of force \[px/N\] in these scenes at a scale \[px/m\], and the legend for their lines.
-fn forces_and_legend(scenes: &[&Scene], style: &Style, unit: f64, scale: f64) -> (f64, Vec<Entry>) {
+fn forces_and_legend(scenes: &[&PictureScene], style: &Style, unit: f64, scale: f64) -> (f64, Vec<Entry>) {
     let palette = Palette::of(style.theme);
     let mut legend = Vec::new();
     // A given force belongs to a movie: its legend stays when there are no forces.
@@ -158,7 +158,7 @@ fn forces_and_legend(scenes: &[&Scene], style: &Style, unit: f64, scale: f64) ->
         legend.push(Entry { class: "force", label, colour: Colour::FORCE, width, halo, dashed: false });
     }
     if measured(scenes) {
-        let simulated = |s: &&Scene| s.trails.iter().any(|t| !t.measured);
+        let simulated = |s: &&PictureScene| s.trails.iter().any(|t| !t.measured);
         let without = if scenes.iter().any(simulated) { 0 } else { 1 };
         legend.extend(Entry::simulated_and_measured(&palette, TRAIL_STROKE * unit).into_iter().skip(without));
     }

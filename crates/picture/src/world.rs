@@ -1,13 +1,13 @@
 //! Draws everything that is to scale, in metres.
 
-use crate::body::{Body, begin_at, near, point, polyline};
+use crate::body::{DrawnBody, begin_at, near, point, polyline};
 use crate::colour::{Colour, Palette};
 use crate::colouring::Colouring;
 use crate::density::density;
 use crate::frame::Frame;
-use crate::glyphs::{self, PEN, Place, START};
+use crate::glyphs::{self, PEN, START, TextPlace};
 use crate::page::{CASING, MARGIN, Page, dashes, path};
-use crate::scene::{Force, Mark, MarkKind, Scene, Trail};
+use crate::scene::{DrawnForce, MarkKind, PictureScene, PlaceMark, Trail};
 use crate::style::Style;
 use crate::text::{PX, escaped, text_of};
 use lemons_core::plane::{Pose, Vec2, rotation, vec2};
@@ -68,7 +68,7 @@ impl MarkKind {
 }
 
 /// Returns whether the view cuts anything. Clipping makes rasterizing slow.
-pub(crate) fn is_cut(scene: &Scene, frame: &Frame) -> bool {
+pub(crate) fn is_cut(scene: &PictureScene, frame: &Frame) -> bool {
     let bodies = scene.drawn().map(|(_, pose, body)| (pose.position, body.reach));
     let walls = scene.trial.geometry.walls.iter().flat_map(|wall| &wall.corners);
     let lines = walls.chain(scene.trails.iter().flat_map(|trail| &trail.points)).copied();
@@ -81,7 +81,7 @@ pub(crate) fn is_cut(scene: &Scene, frame: &Frame) -> bool {
 /// Draws the scene into the frame, with lines of force of a width \[px/N\]; `cut`: without what is beyond the frame.
 pub(crate) fn world(
     page: &mut Page,
-    (scene, style): (&Scene, &Style),
+    (scene, style): (&PictureScene, &Style),
     frame: &Frame,
     mut colouring: Colouring,
     force_scale: f64,
@@ -142,7 +142,7 @@ pub(crate) fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
 struct World<'a> {
     out: &'a mut String,
     palette: &'a Palette,
-    scene: &'a Scene<'a>,
+    scene: &'a PictureScene<'a>,
     style: &'a Style,
     frame: &'a Frame,
     colouring: &'a Colouring,
@@ -159,7 +159,7 @@ impl<'a> World<'a> {
     }
 
     /// Returns the bodies on the page, with the indices of their agents.
-    fn seen(&self) -> impl Iterator<Item = (usize, &'a Pose, &'a Body)> + Clone + use<'a> {
+    fn seen(&self) -> impl Iterator<Item = (usize, &'a Pose, &'a DrawnBody)> + Clone + use<'a> {
         let World { scene, frame, .. } = *self;
         scene.drawn().filter(move |(_, pose, body)| frame.shows(pose.position, body.reach))
     }
@@ -204,7 +204,7 @@ impl<'a> World<'a> {
         let width = text_of(MARK_STROKE * self.px, 6);
         let look = format!("class=\"marks\" stroke-width=\"{width}\" fill-opacity=\".18\"");
         self.group(&look, |world| {
-            for Mark { kind, name, corners } in &world.scene.marks {
+            for PlaceMark { kind, name, corners } in &world.scene.marks {
                 let corners: Vec<Vec2> = corners.iter().copied().filter(|corner| near(*corner)).collect();
                 let is_area = corners.len() > 2;
                 let (class, colour) = (kind.class(), kind.colour(world.palette));
@@ -295,7 +295,7 @@ impl<'a> World<'a> {
                 let (x, y) = (-(0.5 * glyphs::width(id, grid)).round(), -0.5 * grid);
                 let (anchor, up, decimals) = (START, 1.0, 1);
                 let mut d = String::new();
-                glyphs::strokes(&mut d, id, Place { x, y, cap_height: grid, anchor, up, decimals });
+                glyphs::strokes(&mut d, id, TextPlace { x, y, cap_height: grid, anchor, up, decimals });
                 let fill = world.colouring.of(agent);
                 let halo = crossed.then_some((fill, around.as_str()));
                 for (colour, more) in halo.into_iter().chain([(fill.contrast(), "")]) {
@@ -387,7 +387,7 @@ impl<'a> World<'a> {
             return;
         }
         // Weak forces first, so that they do not cross strong ones.
-        let mut drawn: Vec<(f64, &Force)> =
+        let mut drawn: Vec<(f64, &DrawnForce)> =
             drawable_forces(self.scene).map(|f| (f.normal_force * width, f)).collect();
         drawn.retain(|(width, _)| *width > 0.01 * self.px);
         drawn.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -406,7 +406,7 @@ impl<'a> World<'a> {
 }
 
 /// Draws a small arrow head inside the front.
-fn mark(out: &mut String, body: &Body, fill: Colour) {
+fn mark(out: &mut String, body: &DrawnBody, fill: Colour) {
     let at = |ahead: f64, aside: f64| body.middle + vec2(ahead, aside) * body.front;
     let colour = fill.mixed(fill.contrast(), 0.7);
     *out += &format!("<path fill=\"{colour}\" stroke=\"none\" d=\"");
@@ -415,18 +415,18 @@ fn mark(out: &mut String, body: &Body, fill: Colour) {
 }
 
 /// \[m\] Returns the cap height of an Id for which a body has room.
-fn room(id: &str, body: &Body) -> f64 {
+fn room(id: &str, body: &DrawnBody) -> f64 {
     (body.front / glyphs::width(id, 1.0).max(0.1)).min(TALLEST_ID * body.front)
 }
 
-fn rooms<'a>(scene: &'a Scene) -> impl Iterator<Item = (&'a str, f64)> {
+fn rooms<'a>(scene: &'a PictureScene) -> impl Iterator<Item = (&'a str, f64)> {
     let named = scene.trial.agents.iter().map(|agent| agent.id.as_str());
     named.zip(&scene.bodies).filter(|(_, body)| !body.disks.is_empty()).map(|(id, body)| (id, room(id, body)))
 }
 
 /// \[m\] Returns the cap height of all Ids: the smallest for which there is room, without those left out. It depends on
 /// the Trial only, so that it is the same in all frames of a movie.
-fn id_height(scene: &Scene) -> f64 {
+fn id_height(scene: &PictureScene) -> f64 {
     let mut all: Vec<f64> = rooms(scene).map(|(_, room)| room).collect();
     all.sort_by(f64::total_cmp);
     let Some(middle) = all.get(all.len().saturating_sub(1) / 2) else { return 0.0 };
@@ -434,19 +434,19 @@ fn id_height(scene: &Scene) -> f64 {
 }
 
 /// Returns the Ids that pictures leave out because they would be much smaller than the others.
-pub fn ids_without_room<'a>(scene: &'a Scene) -> Vec<&'a str> {
+pub fn ids_without_room<'a>(scene: &'a PictureScene) -> Vec<&'a str> {
     let height = id_height(scene);
     rooms(scene).filter(|(_, room)| *room < height).map(|(id, _)| id).collect()
 }
 
 /// Returns whether trails are compared with measured ones.
-pub(crate) fn measured(scenes: &[&Scene]) -> bool {
+pub(crate) fn measured(scenes: &[&PictureScene]) -> bool {
     scenes.iter().flat_map(|s| &s.trails).any(|t| t.measured)
 }
 
 /// Returns the forces that can be drawn.
-pub(crate) fn drawable_forces<'a>(scene: &'a Scene) -> impl Iterator<Item = &'a Force> {
+pub(crate) fn drawable_forces<'a>(scene: &'a PictureScene) -> impl Iterator<Item = &'a DrawnForce> {
     let drawable =
-        |f: &&Force| near(f.from) && near(f.to) && f.normal_force.is_finite() && f.normal_force > 0.0;
+        |f: &&DrawnForce| near(f.from) && near(f.to) && f.normal_force.is_finite() && f.normal_force > 0.0;
     scene.forces.iter().filter(drawable)
 }

@@ -1,6 +1,6 @@
 //! Frames of a run as numbers of arrays, and back.
 
-use lemons_results::columns::{ALL, Group, Groups, QUANTITIES, Row, row_of};
+use lemons_results::columns::{ALL, AgentRow, Group, Groups, QUANTITIES, row_of};
 use lemons_results::{Frame, Totals};
 use std::sync::LazyLock;
 
@@ -69,11 +69,11 @@ pub fn is_width(each: usize) -> bool {
 /// Makes a frame of the numbers of everybody, so many each, at a time \[s\].
 pub fn frame_of(time: f64, numbers: &[f64], each: usize, leaving: bool) -> Frame {
     let row = |own: &[f64]| {
-        let mut row = Row::default();
+        let mut row = AgentRow::default();
         PLACES.iter().zip(own).for_each(|(place, number)| row[*place] = *number);
         row
     };
-    let rows: Vec<Row> = numbers.chunks_exact(each).map(row).collect();
+    let rows: Vec<AgentRow> = numbers.chunks_exact(each).map(row).collect();
     let groups = Groups { active: leaving, legs: each == width(true), ..ALL };
     let mut frame = Frame { place: format!("t = {time:?} s"), ..groups.frame_of_rows(time, &rows) };
     let observed = || frame.observed.iter().flatten();

@@ -2,7 +2,7 @@
 
 use crate::CommandError;
 use crate::arrays::{frame_of, is_width};
-use crate::model::Model;
+use crate::model::PyModel;
 use crate::recording::duration;
 use crate::simulation::in_order;
 use lemons_cli::embedded::{Done, Held, InMemory, call};
@@ -31,7 +31,7 @@ pub struct Task {
 }
 
 /// A command's output, its notes; its picture; its summary and tables.
-type Made<'py> = (String, Vec<String>, Bound<'py, PyBytes>, String, Vec<(&'static str, String)>);
+type CommandResult<'py> = (String, Vec<String>, Bound<'py, PyBytes>, String, Vec<(&'static str, String)>);
 
 #[pymethods]
 impl Task {
@@ -56,7 +56,7 @@ impl Task {
     }
 
     /// Waits for its end, at most so long \[s\], and returns what came of it; None if it is not over.
-    fn wait<'py>(&self, py: Python<'py>, seconds: f64) -> PyResult<Option<Made<'py>>> {
+    fn wait<'py>(&self, py: Python<'py>, seconds: f64) -> PyResult<Option<CommandResult<'py>>> {
         let wait = duration(seconds)?;
         let got = py.detach(|| self.done.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(wait));
         let done = match got {
@@ -85,7 +85,7 @@ pub fn look_in(directory: PathBuf) {
 /// A `Run` of the package.
 fn in_memory(run: &Bound<'_, PyAny>) -> PyResult<InMemory> {
     let model = run.getattr("model")?;
-    let model = model.cast::<Model>()?.get();
+    let model = model.cast::<PyModel>()?.get();
     let times: PyReadonlyArray1<'_, f64> = run.getattr("times")?.extract()?;
     let numbers: PyReadonlyArray3<'_, f64> = run.getattr("numbers")?.extract()?;
     let leaving: bool = run.getattr("leaving")?.extract()?;

@@ -35,13 +35,13 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("NUMBERS", arrays::names())?;
     module.add("TABLE", arrays::table())?;
     module.add_class::<command::Task>()?;
-    module.add_class::<model::Model>()?;
+    module.add_class::<model::PyModel>()?;
     module.add_function(wrap_pyfunction!(command::look_in, module)?)?;
     module.add_class::<recording::Recording>()?;
-    module.add_class::<simulation::Simulation>()?;
+    module.add_class::<simulation::PySimulation>()?;
     module.add("SweepError", python.get_type::<sweep::SweepError>())?;
     module.add_class::<sweep::Study>()?;
-    module.add_class::<sweep::Table>()?;
+    module.add_class::<sweep::PySweepTable>()?;
     module.add_function(wrap_pyfunction!(model::read_drive, module)?)?;
     module.add_function(wrap_pyfunction!(model::read_people, module)?)?;
     module.add_function(wrap_pyfunction!(model::read_text, module)?)?;

@@ -5,7 +5,7 @@ use crowd_mechanics::setup;
 use lemons_core::files::input;
 use lemons_core::files::source::Memory;
 use lemons_core::files::words::shortened;
-use lemons_core::trial::{DriveChoice, DriveTable, FileNames, Shape, Trial};
+use lemons_core::trial::{DriveChoice, DriveTable, FileNames, ShapeElement, Trial};
 use lemons_decision::{DecisionConfig, Plan};
 use lemons_master::{PlanChoice, documents_of, whole};
 use lemons_sim::Documents;
@@ -22,8 +22,8 @@ pub fn short(error: impl std::fmt::Display) -> String {
 }
 
 /// A Trial with its drive and the plan of its people, read and checked. It can be pickled.
-#[pyclass(frozen, module = "lemons_fmu._native")]
-pub struct Model {
+#[pyclass(name = "Model", frozen, module = "lemons_fmu._native")]
+pub struct PyModel {
     pub(crate) documents: Documents,
     /// The file that says where people walk, as the user knows it.
     #[pyo3(get)]
@@ -40,12 +40,12 @@ type Texts = (String, PathBuf, Vec<(PathBuf, String)>, String, Option<String>);
 type Drives<'py> = BTreeMap<usize, (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)>;
 
 #[pymethods]
-impl Model {
+impl PyModel {
     /// Reads a Trial (its directory or its zip), or the Trial in the FMU of a crowd. People walk by `plan`, by default by
     /// the Trial's decision.toml, or not at all.
     #[staticmethod]
     #[pyo3(signature = (path, plan=None, walk=true))]
-    fn read(py: Python<'_>, path: PathBuf, plan: Option<PathBuf>, walk: bool) -> PyResult<Model> {
+    fn read(py: Python<'_>, path: PathBuf, plan: Option<PathBuf>, walk: bool) -> PyResult<PyModel> {
         let choice = match plan {
             Some(path) => PlanChoice::File(path),
             None if walk => PlanChoice::Own,
@@ -60,12 +60,12 @@ impl Model {
         let files = Files::chosen(&path, &DriveChoice::Own, plan.as_deref());
         problems.extend(lint::of_documents(&documents, &files));
         problems.extend(lint::of_step(&documents, documents.trial.parameters.time_step, &files));
-        Ok(Model { documents, plan, warnings: problems.iter().map(short).collect() })
+        Ok(PyModel { documents, plan, warnings: problems.iter().map(short).collect() })
     }
 
     /// Makes the model of its texts.
     #[staticmethod]
-    fn of_texts(texts: Texts, plan: Option<PathBuf>, warnings: Vec<String>) -> PyResult<Model> {
+    fn of_texts(texts: Texts, plan: Option<PathBuf>, warnings: Vec<String>) -> PyResult<PyModel> {
         let (name, directory, files, drive, toml) = texts;
         let mut memory = Memory::default();
         files.into_iter().for_each(|(path, text)| memory.put(&path, text.into_bytes()));
@@ -75,7 +75,7 @@ impl Model {
         let drive = DriveTable::from_csv(drive.as_bytes()).map_err(|error| wrong(&error))?;
         let made = toml.map(|text| Plan::of(&trial, &DecisionConfig::from_toml(&text)?)).transpose();
         let made = made.map_err(|error| wrong(&error))?;
-        Ok(Model { documents: Documents { trial, drive, plan: made }, plan, warnings })
+        Ok(PyModel { documents: Documents { trial, drive, plan: made }, plan, warnings })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Parts)> {
@@ -91,7 +91,7 @@ impl Model {
         let toml = toml.map_err(|error| PyValueError::new_err(short(error)))?;
         let texts = trial.texts(&trial.directory);
         let texts = (trial.name.clone(), trial.directory.clone(), texts, rows, toml);
-        let make = py.get_type::<Model>().getattr("of_texts")?;
+        let make = py.get_type::<PyModel>().getattr("of_texts")?;
         Ok((make, (texts, self.plan.clone(), self.warnings.clone())))
     }
 
@@ -141,7 +141,7 @@ type People = (Vec<String>, Vec<f64>, Vec<f64>, Vec<f64>, Vec<Vec<[f64; 3]>>, Ve
 pub fn read_people(directory: PathBuf) -> PyResult<People> {
     let read = Trial::read(&directory).map_err(|problems| PyValueError::new_err(short(problems)))?;
     let Trial { agents, dynamics, .. } = read.0;
-    let disk = |shape: &Shape| [shape.position.x, shape.position.y, shape.radius];
+    let disk = |shape: &ShapeElement| [shape.position.x, shape.position.y, shape.radius];
     Ok((
         agents.iter().map(|agent| agent.id.clone()).collect(),
         agents.iter().map(|agent| agent.mass).collect(),

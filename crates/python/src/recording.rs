@@ -2,7 +2,7 @@
 
 use crate::arrays::{append, numbers_of_each};
 use crate::model::short;
-use crate::simulation::{Simulation, check_finite, check_shape, condition, in_order, refused, until_of};
+use crate::simulation::{PySimulation, check_finite, check_shape, condition, in_order, refused, until_of};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_decision::Plan;
 use lemons_results::Frame;
@@ -77,7 +77,7 @@ impl Recording {
     /// Begins the record of a run until a time \[s\], with this communication step \[s\]; without a time, until everybody has
     /// left who has an exit. `whole`: it surely goes on until its time.
     #[new]
-    fn new(simulation: &mut Simulation, until: Option<f64>, step: f64, whole: bool) -> PyResult<Recording> {
+    fn new(simulation: &mut PySimulation, until: Option<f64>, step: f64, whole: bool) -> PyResult<Recording> {
         let until = until_of(until);
         let stop = condition(until, simulation.plan.as_ref().map(Plan::leaving).unwrap_or_default())?;
         let simulation = &mut simulation.simulation;
@@ -151,7 +151,7 @@ impl Recording {
     }
 
     /// What is found at the end of a run; `whole`: it began with the crowd.
-    fn findings(&self, simulation: &Simulation, whole: bool) -> Vec<String> {
+    fn findings(&self, simulation: &PySimulation, whole: bool) -> Vec<String> {
         let world = simulation.simulation.world();
         let forces: Option<Vec<_>> = world.map(|world| world.drive.iter().map(|drive| drive.force).collect());
         let found = simulation
@@ -165,7 +165,7 @@ impl Recording {
     fn advance(
         &mut self,
         py: Python<'_>,
-        simulation: &mut Simulation,
+        simulation: &mut PySimulation,
         most: u64,
         seconds: f64,
     ) -> PyResult<()> {

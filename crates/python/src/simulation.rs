@@ -2,7 +2,7 @@
 
 use crate::SimulationError;
 use crate::arrays::{append, numbers_of_each};
-use crate::model::{Model, short};
+use crate::model::{PyModel, short};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_decision::Plan;
 use lemons_sim::settings::Value;
@@ -17,8 +17,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyBytes, PyFloat, PyInt, PyString};
 
 /// A simulation of a [`Model`]: values by the names of the FMU's variables, steps, states.
-#[pyclass(module = "lemons_fmu._native")]
-pub struct Simulation {
+#[pyclass(name = "Simulation", module = "lemons_fmu._native")]
+pub struct PySimulation {
     pub(crate) simulation: lemons_sim::Simulation,
     /// Where its people walk.
     pub(crate) plan: Option<Plan>,
@@ -91,12 +91,12 @@ pub fn check_finite(pushes: &[f64], agent: impl Fn(usize) -> usize) -> PyResult<
 }
 
 #[pymethods]
-impl Simulation {
+impl PySimulation {
     #[new]
-    fn new(model: &Model, algorithm: &str) -> PyResult<Simulation> {
+    fn new(model: &PyModel, algorithm: &str) -> PyResult<PySimulation> {
         let algorithm = algorithm_of(algorithm)?;
         let simulation = lemons_sim::Simulation::new(model.documents.clone(), algorithm);
-        Ok(Simulation { simulation: simulation.map_err(refused)?, plan: model.documents.plan.clone() })
+        Ok(PySimulation { simulation: simulation.map_err(refused)?, plan: model.documents.plan.clone() })
     }
 
     /// Sets a parameter or a start value before the beginning.

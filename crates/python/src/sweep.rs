@@ -1,10 +1,10 @@
 //! The points of a sweep, what they simulate, and the table of their results.
 
-use crate::model::{Model, short};
+use crate::model::{PyModel, short};
 use crate::simulation::{algorithm_of, condition, refused, until_of};
 use lemons_master::PlanChoice;
 use lemons_sim::Clock;
-use lemons_sweep::{Finished, Measured, Models, Plan, Template, check_parameters, identity};
+use lemons_sweep::{Finished, MeasuredValue, Models, SweepPlan, Template, check_parameters, identity};
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -79,9 +79,9 @@ impl Study {
             return Err(wrong("there are no points"));
         }
         let plan = match plan {
-            Some(text) => Plan::File(template(text, &points)?),
-            None if walk => Plan::Own,
-            None => Plan::None,
+            Some(text) => SweepPlan::File(template(text, &points)?),
+            None if walk => SweepPlan::Own,
+            None => SweepPlan::None,
         };
         let models = Models::of(&points, &template(what, &points)?, &plan);
         let columns = columns.into_iter().map(|(_, values)| values.into_iter().map(Bound::unbind).collect());
@@ -134,7 +134,7 @@ impl Study {
 
     /// Checks that a model has all variables that are set, that people can leave (without a time `until` \[s\]), and that
     /// there are communication points. Returns what must be equal to go on, as JSON.
-    fn identity(&self, model: &Model, algorithm: &str, until: Option<f64>, step: f64) -> PyResult<String> {
+    fn identity(&self, model: &PyModel, algorithm: &str, until: Option<f64>, step: f64) -> PyResult<String> {
         let algorithm = algorithm_of(algorithm)?;
         let simulation = lemons_sim::Simulation::new(model.documents.clone(), algorithm).map_err(refused)?;
         let checked = check_parameters(&self.points, &self.models, &simulation);
@@ -169,26 +169,26 @@ impl Study {
 type Row<'py> = (usize, Option<Bound<'py, PyDict>>, Option<String>);
 
 /// The table of a sweep, in a file.
-#[pyclass(module = "lemons_fmu._native")]
-pub struct Table(Option<lemons_sweep::Table>);
+#[pyclass(name = "Table", module = "lemons_fmu._native")]
+pub struct PySweepTable(Option<lemons_sweep::SweepTable>);
 
-fn cannot(error: lemons_sweep::Error) -> PyErr {
+fn cannot(error: lemons_sweep::SweepError) -> PyErr {
     SweepError::new_err(short(error.whole()))
 }
 
 #[pymethods]
-impl Table {
+impl PySweepTable {
     /// Creates the table, or opens that of an unfinished sweep. `identity` is JSON.
     #[new]
-    fn new(path: PathBuf, identity: &str, study: &Study) -> PyResult<Table> {
+    fn new(path: PathBuf, identity: &str, study: &Study) -> PyResult<PySweepTable> {
         let identity: Map<String, Value> = serde_json::from_str(identity).map_err(wrong)?;
         // Opening a pipe would wait.
         if path.exists() && !path.is_file() {
             let text = format!("{}: is not a file; give the name of a table (.csv)", path.display());
             return Err(SweepError::new_err(text));
         }
-        let table = lemons_sweep::Table::open(&path, &identity, &study.points).map_err(cannot)?;
-        Ok(Table(Some(table)))
+        let table = lemons_sweep::SweepTable::open(&path, &identity, &study.points).map_err(cannot)?;
+        Ok(PySweepTable(Some(table)))
     }
 
     /// Names of the measures; None as long as no point has any.
@@ -233,7 +233,7 @@ impl Table {
     }
 }
 
-impl Table {
+impl PySweepTable {
     fn row<'py>(&self, py: Python<'py>, Finished { point, outcome }: &Finished) -> PyResult<Row<'py>> {
         let values = match outcome {
             Err(message) => return Ok((*point, None, Some(message.clone()))),
@@ -243,17 +243,17 @@ impl Table {
         for (name, value) in self.measures().unwrap_or_default().iter().zip(values) {
             match value {
                 None => measures.set_item(name, f64::NAN)?,
-                Some(Measured::Number(number)) => measures.set_item(name, number)?,
-                Some(Measured::Text(text)) => measures.set_item(name, text)?,
+                Some(MeasuredValue::Number(number)) => measures.set_item(name, number)?,
+                Some(MeasuredValue::Text(text)) => measures.set_item(name, text)?,
             }
         }
         Ok((*point, Some(measures), None))
     }
 }
 
-fn measured(value: &Bound<'_, PyAny>) -> PyResult<Measured> {
+fn measured(value: &Bound<'_, PyAny>) -> PyResult<MeasuredValue> {
     match value.cast::<PyString>() {
-        Ok(text) => Ok(Measured::Text(text.to_string())),
-        Err(_) => Ok(Measured::Number(value.extract()?)),
+        Ok(text) => Ok(MeasuredValue::Text(text.to_string())),
+        Err(_) => Ok(MeasuredValue::Number(value.extract()?)),
     }
 }

@@ -1,9 +1,9 @@
 //! The walkable area that walls enclose.
 
-use crate::measure::Room;
+use crate::measure::VoronoiRoom;
 use crate::outlines::{Outline, outlines};
 use crate::shapes::check;
-use lemons_core::plane::overlay::{Contour, Fill, Polygons, contour, difference, ring, union};
+use lemons_core::plane::overlay::{Contour, InsideRule, Polygons, contour, difference, ring, union};
 use lemons_core::plane::{
     Bounds, Polygon, Ring, Vec2, convex_hull, nearest_on_line, polygon_from_wkt, segments_touch, vec2,
 };
@@ -158,7 +158,7 @@ pub fn given_area(wkt: &str, positions: impl Iterator<Item = Vec2>) -> Result<Ar
 /// # Errors
 /// As [`given_area`].
 pub fn given_area_of_heads(wkt: &str, positions: &[Vec2]) -> Result<Area, String> {
-    let room = Room::of(&polygon_from_wkt(wkt)?);
+    let room = VoronoiRoom::of(&polygon_from_wkt(wkt)?);
     let leans = |off: f64| off > 0.0 && off <= LEANING;
     given_area(wkt, positions.iter().copied().filter(|p| !leans(room.nearest(*p).1)))
 }
@@ -243,7 +243,7 @@ fn parted(
         [a - aside, b - aside, b + aside, a + aside].map(|p| [p.x, p.y]).to_vec()
     };
     let strips: Vec<Contour> = walls.iter().filter(|(a, b)| a != b).map(strip).collect();
-    of_people(difference(&subject, &strips, Fill::NonZero), positions)
+    of_people(difference(&subject, &strips, InsideRule::NonZero), positions)
 }
 
 fn bounding_box(points: impl Iterator<Item = Vec2>) -> Outline {

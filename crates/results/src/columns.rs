@@ -8,7 +8,7 @@ use lemons_core::plane::Motion;
 
 /// A column of the table of a run, which is an output of the FMU.
 #[derive(Debug, Clone, Copy)]
-pub struct Quantity {
+pub struct RecordedQuantity {
     /// Name of the column, for example `normal_force`.
     pub name: &'static str,
     /// Name of the output. For a quantity of an agent it comes after `agent[i].`.
@@ -60,9 +60,9 @@ enum Domain {
 }
 
 /// One agent at one time, a number for each of the [`QUANTITIES`]. What is not recorded is 0.
-pub type Row = [f64; QUANTITIES.len()];
+pub type AgentRow = [f64; QUANTITIES.len()];
 
-impl Quantity {
+impl RecordedQuantity {
     /// Counts are integers, everything else is a double.
     pub const fn kind(&self) -> CellType {
         if self.unit.is_some() { CellType::Real } else { CellType::Integer }
@@ -92,7 +92,7 @@ pub const ID: &str = "id";
 macro_rules! quantities {
     ($($name:literal, $variable:literal, $domain:expr, $group:ident, $field:tt, $description:literal;)*) => {
         /// Every quantity, in the order of the columns; those of the whole crowd last.
-        pub const QUANTITIES: [Quantity; 22] = [$(Quantity {
+        pub const QUANTITIES: [RecordedQuantity; 22] = [$(RecordedQuantity {
             name: $name,
             variable: $variable,
             unit: if let Real(unit) | Size(unit) = $domain { Some(unit) } else { None },
@@ -195,7 +195,7 @@ pub const ALL: Groups =
     Groups { contacts: true, of_step: true, by_walls: true, active: true, legs: true, totals: true };
 
 /// Returns the quantity with this name.
-pub fn named(name: &str) -> Option<&'static Quantity> {
+pub fn named(name: &str) -> Option<&'static RecordedQuantity> {
     QUANTITIES.iter().find(|quantity| quantity.name == name)
 }
 
@@ -218,7 +218,7 @@ pub struct Groups {
 
 impl Group {
     /// Returns its quantities.
-    pub fn quantities(self) -> impl Iterator<Item = &'static Quantity> {
+    pub fn quantities(self) -> impl Iterator<Item = &'static RecordedQuantity> {
         QUANTITIES.iter().filter(move |quantity| quantity.group == self)
     }
 }
@@ -247,7 +247,7 @@ impl Groups {
     }
 
     /// Returns the quantities in the order of the columns, with their places in a [`Row`].
-    pub(crate) fn quantities(self) -> impl Iterator<Item = (usize, &'static Quantity)> {
+    pub(crate) fn quantities(self) -> impl Iterator<Item = (usize, &'static RecordedQuantity)> {
         QUANTITIES.iter().enumerate().filter(move |(_, quantity)| self.has(quantity.group))
     }
 
@@ -256,7 +256,7 @@ impl Groups {
     pub(crate) fn of_fmu(
         self,
         agents: usize,
-    ) -> impl Iterator<Item = (Option<usize>, usize, &'static Quantity)> {
+    ) -> impl Iterator<Item = (Option<usize>, usize, &'static RecordedQuantity)> {
         let part =
             move |crowd: bool| self.quantities().filter(move |(_, of)| (of.group == Group::Totals) == crowd);
         let of_agents = (0..agents).flat_map(move |i| part(false).map(move |(k, of)| (Some(i), k, of)));
@@ -266,7 +266,7 @@ impl Groups {
     /// Returns the variables of an FMU that these columns are, in their order: of each agent, then of the crowd; with their
     /// types.
     pub fn variables(self, agents: usize) -> Vec<(String, CellType)> {
-        let named = |(agent, _, quantity): (Option<usize>, usize, &Quantity)| {
+        let named = |(agent, _, quantity): (Option<usize>, usize, &RecordedQuantity)| {
             let name = agent.map_or(String::new(), |i| format!("agent[{i}].")) + quantity.variable;
             // In a table there are numbers.
             (name, if quantity.domain == Flag { CellType::Boolean } else { quantity.kind() })
@@ -305,7 +305,7 @@ impl Groups {
     }
 
     /// Makes a frame of the rows of all agents, with these columns.
-    pub fn frame_of_rows(self, time: f64, rows: &[Row]) -> Frame {
+    pub fn frame_of_rows(self, time: f64, rows: &[AgentRow]) -> Frame {
         let mut frame = self.zeros(rows.len(), time);
         for (agent, row) in rows.iter().enumerate() {
             for (place, quantity) in self.quantities() {
@@ -324,7 +324,7 @@ impl Groups {
             variable: "agent[i]".into(),
             description: "Id of the agent in Agents.xml; its place i if the FMU holds no Trial".into(),
         };
-        let column = |(_, quantity): (usize, &Quantity)| Column {
+        let column = |(_, quantity): (usize, &RecordedQuantity)| Column {
             name: quantity.name.into(),
             kind: quantity.kind(),
             unit: quantity.unit.map(str::to_owned),
@@ -337,8 +337,8 @@ impl Groups {
 }
 
 /// Returns the row of an agent of a frame.
-pub fn row_of(frame: &Frame, agent: usize) -> Row {
-    const ALL: &[Quantity; QUANTITIES.len()] = &QUANTITIES;
+pub fn row_of(frame: &Frame, agent: usize) -> AgentRow {
+    const ALL: &[RecordedQuantity; QUANTITIES.len()] = &QUANTITIES;
     std::array::from_fn(|place| (ALL[place].get)(frame, agent))
 }
 

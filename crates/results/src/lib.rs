@@ -40,7 +40,7 @@ pub use record::{Record, Trajectories};
 pub use recorder::{KeptFrames, Recorder};
 pub use run::{Frame, Observed, OfLegs, OfStep, OfWall, Run, Totals};
 pub use series::{series, series_files, series_in, trial_at_end};
-pub use table::{Content, Format, FrameWriter, TableWriter};
+pub use table::{FrameWriter, TableContent, TableFormat, TableWriter};
 pub use text::{chaos, chaos_files, pedpy};
 pub use trajectories::{READ, Told, VELOCITY_OVER, holds_trajectories};
 

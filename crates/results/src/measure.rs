@@ -21,19 +21,19 @@ mod summary;
 mod voronoi;
 
 pub use across::Across;
-pub use balance::{Balance, Kept};
+pub use balance::{BalanceOverTime, Kept};
 pub use by_place::SqueezeMap;
-pub use crossing::{Line, Way};
+pub use crossing::{CountingLine, Way};
 pub use density::{Density, MeasuringArea};
 pub use departures::{Departures, Left};
-pub use exposure::{Above, Exposed, Exposure, SPANS};
+pub use exposure::{Above, Exposed, SPANS, SqueezeOverTime};
 pub use flow::{Flow, Window, windows};
 pub use impulses::MovingMeans;
 pub use leaving::{LATEST, Leaving, Over, WAITING, Wait};
 pub use passages::{Passage, Passages};
 pub use quantile::quantile;
 pub use summary::{Crossings, MeanMax};
-pub use voronoi::Room;
+pub use voronoi::VoronoiRoom;
 
 use crate::Frame;
 use lemons_core::plane::{InPlane, Motion};

@@ -7,7 +7,7 @@ mod parquet;
 mod rows;
 mod write;
 
-pub use format::{Content, Format};
+pub use format::{TableContent, TableFormat};
 pub use write::{FrameWriter, TableWriter};
 
 use crate::error::RecordError;

@@ -79,7 +79,7 @@ struct Found {
     /// \[1/s\]
     rate: f64,
     /// Frames that the file names, also those without anybody.
-    frames: Option<Named>,
+    frames: Option<FrameNumbers>,
     oriented: bool,
     geometry: Vec<String>,
     /// Names of people, whose Ids in rows are places among them; `None`: the Ids are their names.
@@ -88,7 +88,7 @@ struct Found {
 }
 
 /// Frames that a file names.
-struct Named {
+struct FrameNumbers {
     first: i64,
     last: i64,
     /// Greatest common divisor of the differences between them.
@@ -276,7 +276,7 @@ fn of_found(path: &Path, found: Found, velocity_over: f64) -> Result<Record, Rec
     else {
         return Err(wrong("holds no row: nobody is in it".into()));
     };
-    let named = frames.unwrap_or(Named { first, last, step: 0 });
+    let named = frames.unwrap_or(FrameNumbers { first, last, step: 0 });
     let (first, last) = (named.first.min(first), named.last.max(last));
     // A file may have every n-th frame only.
     let of_named = [named.first - first, last - first, named.step];

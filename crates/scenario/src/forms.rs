@@ -11,21 +11,21 @@ use std::collections::BTreeMap;
 
 /// Two numbers. An array of TOML that is too long would be cut otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(as = "[f64; 2]"))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(as = "[f64; 2]", rename = "Pair"))]
 #[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
-pub struct Pair(pub [f64; 2]);
+pub struct TwoNumbers(pub [f64; 2]);
 
-impl TryFrom<Vec<f64>> for Pair {
+impl TryFrom<Vec<f64>> for TwoNumbers {
     type Error = String;
 
-    fn try_from(numbers: Vec<f64>) -> Result<Pair, String> {
+    fn try_from(numbers: Vec<f64>) -> Result<TwoNumbers, String> {
         let count = numbers.len();
-        numbers.try_into().map(Pair).map_err(|_| format!("must be two numbers, not {count}"))
+        numbers.try_into().map(TwoNumbers).map_err(|_| format!("must be two numbers, not {count}"))
     }
 }
 
-impl From<Pair> for Vec<f64> {
-    fn from(Pair(numbers): Pair) -> Vec<f64> {
+impl From<TwoNumbers> for Vec<f64> {
+    fn from(TwoNumbers(numbers): TwoNumbers) -> Vec<f64> {
         numbers.to_vec()
     }
 }
@@ -79,7 +79,7 @@ impl DoorForm {
 #[serde(deny_unknown_fields)]
 pub struct RegionForm {
     /// \[m\] Corners.
-    pub corners: Vec<Pair>,
+    pub corners: Vec<TwoNumbers>,
     /// Number of people.
     pub number: Option<u32>,
     /// \[1/m²\] Density of people. With neither, as the scenario says.
@@ -90,7 +90,7 @@ impl RegionForm {
     /// Makes a region of corners \[m\], with as many people as the scenario says.
     pub fn of(corners: &[Vec2]) -> RegionForm {
         RegionForm {
-            corners: corners.iter().map(|&corner| Pair(corner.into())).collect(),
+            corners: corners.iter().map(|&corner| TwoNumbers(corner.into())).collect(),
             ..RegionForm::default()
         }
     }

@@ -2,13 +2,13 @@
 
 use crate::Scenario;
 use crate::error::{Result, fits, impossible, within};
-use crate::place::{NO_WAY_OUT, Place};
+use crate::place::{NO_WAY_OUT, WalkableRoom};
 use crate::range;
 use lemons_core::trial::Trial;
 use lemons_decision::exit_choice::ExitChoice;
 use lemons_decision::rule::{WAYPOINT_RADIUS, Waypoint};
 use lemons_decision::{AgentConfig, DEFAULT_SPEED, DecisionConfig, Spread, TargetConfig, WalkingModelName};
-use lemons_people::Agent;
+use lemons_people::CrowdMember;
 use lemons_people::drawing::{self, Read};
 
 impl Scenario {
@@ -62,9 +62,9 @@ impl Scenario {
     /// chooses who starts when and who is in a group. Notes tell what was chosen.
     pub(crate) fn decision(
         &self,
-        agents: &[Agent],
+        agents: &[CrowdMember],
         trial: &Trial,
-        place: &Place,
+        place: &WalkableRoom,
         notes: &mut Vec<String>,
     ) -> Option<DecisionConfig> {
         let mut config = self.decision.clone();
@@ -117,12 +117,12 @@ impl Scenario {
 }
 
 /// Returns Ids and desired speeds \[m/s\] of those who are of a kind.
-pub fn own_speeds(agents: &[Agent], trial: &Trial) -> Vec<(String, f64)> {
+pub fn own_speeds(agents: &[CrowdMember], trial: &Trial) -> Vec<(String, f64)> {
     let people = agents.iter().zip(&trial.agents);
     people.filter_map(|(agent, body)| Some((body.id.clone(), agent.member()?.speed))).collect()
 }
 
-fn drawn_exit(drawing::Place { name, corners }: &drawing::Place) -> TargetConfig {
+fn drawn_exit(drawing::NamedPlace { name, corners }: &drawing::NamedPlace) -> TargetConfig {
     let (name, corners): (_, Vec<[f64; 2]>) =
         (Some(name.clone()), corners.iter().map(|&corner| corner.into()).collect());
     match <[[f64; 2]; 2]>::try_from(corners) {
@@ -132,7 +132,7 @@ fn drawn_exit(drawing::Place { name, corners }: &drawing::Place) -> TargetConfig
 }
 
 /// The way-points of a drawing, if their names say their order.
-fn way(plan: &drawing::Plan, notes: &mut Vec<String>) -> Option<Vec<Waypoint>> {
+fn way(plan: &drawing::FloorPlan, notes: &mut Vec<String>) -> Option<Vec<Waypoint>> {
     let Some(way) = plan.way() else {
         if !plan.waypoints.is_empty() {
             notes.push(
@@ -143,7 +143,7 @@ fn way(plan: &drawing::Plan, notes: &mut Vec<String>) -> Option<Vec<Waypoint>> {
         return None;
     };
     notes.push(format!("note: everybody goes to the {} way-points of the drawing first", way.len()));
-    let point = |place: &drawing::Place| {
+    let point = |place: &drawing::NamedPlace| {
         let (middle, radius) = place.middle();
         Waypoint { x: middle.x, y: middle.y, radius: radius.unwrap_or(WAYPOINT_RADIUS), wait: 0.0 }
     };

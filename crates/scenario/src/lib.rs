@@ -12,21 +12,21 @@ mod place;
 mod push;
 
 pub use error::{Result, ScenarioError, named};
-pub use forms::{DoorForm, DrawingForm, OrientationName, Pair, RegionForm, Share};
+pub use forms::{DoorForm, DrawingForm, OrientationName, RegionForm, Share, TwoNumbers};
 pub use leave::own_speeds;
 pub use people::{Crowd, Four, People, Ready, round};
-pub use place::{Ground, Place};
+pub use place::{Ground, WalkableRoom};
 pub use push::{Push, drive};
 
 use error::{Of, fits, impossible, require, within};
-use lemons_core::files::source::Source;
+use lemons_core::files::source::FileSource;
 use lemons_core::files::{input, words};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{DRIVE_FILE, DriveTable, FARTHEST, Trial};
 use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
 use lemons_people::placing::{Method, Watch};
 use lemons_people::room::Room;
-use lemons_people::{Agent, Kinds, SKINS};
+use lemons_people::{CrowdMember, Kinds, SKINS};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -61,7 +61,7 @@ pub const WALLS: &str = "concrete";
 pub struct Scenario {
     /// \[m\] Width and height of a room whose lower left corner is the origin.
     #[serde(rename = "box")]
-    pub sides: Option<Pair>,
+    pub sides: Option<TwoNumbers>,
     /// A Geometry.xml or a drawing.
     pub geometry: Option<PathBuf>,
     /// Reading of the drawing.
@@ -118,15 +118,15 @@ pub struct Scenario {
 
 /// Documents that were made of a scenario.
 #[derive(Debug)]
-pub struct Made {
+pub struct ScenarioDocuments {
     /// The Trial.
     pub trial: Trial,
     /// Everybody, in the order of the Trial.
-    pub agents: Vec<Agent>,
+    pub agents: Vec<CrowdMember>,
     /// Placing of the people.
     pub crowd: Crowd,
     /// The room.
-    pub place: Place,
+    pub place: WalkableRoom,
     /// Its drive; empty without pushes.
     pub drive: DriveTable,
     /// Its decision.toml, and what it becomes.
@@ -135,7 +135,7 @@ pub struct Made {
     pub notes: Vec<String>,
 }
 
-impl Made {
+impl ScenarioDocuments {
     /// Returns names and texts of the files that are beside those of all Trials.
     ///
     /// # Errors
@@ -153,7 +153,7 @@ impl Scenario {
     ///
     /// # Errors
     /// The file cannot be read, is not TOML, or has unknown keys or values of another type.
-    pub fn read(files: &dyn Source, path: &Path) -> Result<Scenario> {
+    pub fn read(files: &dyn FileSource, path: &Path) -> Result<Scenario> {
         let mut read = Scenario::read_as_it_is(files, path)?;
         let directory = path.parent().unwrap_or(Path::new(""));
         read.each_path(|path| *path = directory.join(&*path));
@@ -164,7 +164,7 @@ impl Scenario {
     ///
     /// # Errors
     /// Those of [`Scenario::read`].
-    pub fn read_as_it_is(files: &dyn Source, path: &Path) -> Result<Scenario> {
+    pub fn read_as_it_is(files: &dyn FileSource, path: &Path) -> Result<Scenario> {
         let named = |why: String| ScenarioError::Toml(format!("{}: {why}", path.display()));
         let text = files.read_text(path, input::LARGEST_SETTINGS);
         let text = text.map_err(|error| named(error.to_string()))?;
@@ -253,7 +253,13 @@ impl Scenario {
     ///
     /// # Errors
     /// A value is not possible, people do not fit or cannot leave, or `watch` stopped the placing.
-    pub fn documents(&self, name: &str, most: u32, files: &dyn Source, watch: &mut Watch) -> Result<Made> {
+    pub fn documents(
+        &self,
+        name: &str,
+        most: u32,
+        files: &dyn FileSource,
+        watch: &mut Watch,
+    ) -> Result<ScenarioDocuments> {
         self.check()?;
         let population = self.population(files)?;
         let place = self.place(files, self.drawn(files)?)?;

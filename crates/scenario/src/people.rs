@@ -2,16 +2,18 @@
 
 use crate::error::{Of, Result, ScenarioError, fits, impossible, require};
 use crate::forms::{self, OrientationName};
-use crate::place::{Ground, Place};
-use crate::{MOST_PEOPLE, Made, ROUND, Scenario, drive};
+use crate::place::{Ground, WalkableRoom};
+use crate::{MOST_PEOPLE, ROUND, Scenario, ScenarioDocuments, drive};
 use lemons_core::files::input;
-use lemons_core::files::source::Source as Files;
+use lemons_core::files::source::FileSource as Files;
 use lemons_core::plane::{Pose, Vec2};
 use lemons_decision::Plan;
-use lemons_people::placing::{Ended, FreeSpace, Method, Orientation, Packing, Settings, Watch, within_area};
+use lemons_people::placing::{
+    Ended, FreeSpace, Method, Orientation, Packing, PlacingSettings, Watch, within_area,
+};
 use lemons_people::{
-    Agent, Custom, CustomMeasures, Disk, Kinds, PeopleError, Person, Population, Sex, Shape, Source, Survey,
-    TrialSettings, TruncatedNormal, choose_mechanical_step, crowd_trial, heading,
+    CrowdMember, Custom, CustomMeasures, Disk, Kinds, PeopleError, Person, Population, PopulationSource, Sex,
+    Shape, Survey, TrialSettings, TruncatedNormal, choose_mechanical_step, crowd_trial, heading,
 };
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -92,11 +94,11 @@ impl People {
 pub struct Ready<'a> {
     scenario: &'a Scenario,
     /// The room.
-    pub place: Place,
+    pub place: WalkableRoom,
     /// How many stand on each ground.
     pub numbers: Vec<usize>,
     /// Everybody, ground after ground.
-    pub agents: Vec<Agent>,
+    pub agents: Vec<CrowdMember>,
 }
 
 /// Placing of a crowd.
@@ -121,9 +123,9 @@ impl Scenario {
             (forms::shares(&self.mix)?, Kinds::built_in()?, "`mix`".to_owned());
         let mut custom = None;
         let source = match &self.people {
-            People::Survey {} => Source::ansur()?,
+            People::Survey {} => PopulationSource::ansur()?,
             People::Statistics { male, female } => {
-                Source::custom(&[male.of(Sex::Male), female.of(Sex::Female)])?
+                PopulationSource::custom(&[male.of(Sex::Male), female.of(Sex::Female)])?
             }
             People::Custom { file } => {
                 let named = &*custom.insert(format!("`people.file` {}", file.display()));
@@ -137,7 +139,7 @@ impl Scenario {
                 if mix.is_empty() {
                     (mix, from) = (own.mix, format!("{named}, [mix]"));
                 }
-                Source::custom(&own.people).of(named)?
+                PopulationSource::custom(&own.people).of(named)?
             }
             People::Tables { male, female } => {
                 men = match (male, female) {
@@ -153,9 +155,11 @@ impl Scenario {
                     })?;
                     survey.add(sex, path, &content)?;
                 }
-                Source::Survey(survey)
+                PopulationSource::Survey(survey)
             }
-            People::Fixed { sex, measures } => Source::Fixed(Person::from_measures(*sex, *measures)),
+            People::Fixed { sex, measures } => {
+                PopulationSource::Fixed(Person::from_measures(*sex, *measures))
+            }
         };
         let pedestrians = self.pedestrians.unwrap_or(pedestrians);
         let mut population = Population::new(source, self.men.unwrap_or(men));
@@ -178,7 +182,7 @@ impl Scenario {
     }
 
     /// Returns how many stand on each ground.
-    fn numbers(&self, place: &Place) -> Result<Vec<usize>> {
+    fn numbers(&self, place: &WalkableRoom) -> Result<Vec<usize>> {
         let (number, density) = (self.number, self.density);
         if place.is_plane() {
             if let Some(density) = density {
@@ -237,7 +241,7 @@ impl Scenario {
     ///
     /// # Errors
     /// Their number is not said, or said twice, or nobody or too many would stand somewhere.
-    pub fn ready(&self, population: &Population, place: Place, most: u32) -> Result<Ready<'_>> {
+    pub fn ready(&self, population: &Population, place: WalkableRoom, most: u32) -> Result<Ready<'_>> {
         let numbers = self.numbers(&place)?;
         let all = numbers.iter().sum::<usize>();
         require(all <= most as usize, || format!("{all} people: the number must be 1 to {most}"))?;
@@ -266,7 +270,8 @@ impl Scenario {
         let Ground { free: FreeSpace { region, .. }, name, .. } = ground;
         // Equal grounds are filled in different ways.
         let seed = self.seed().wrapping_add(number as u64);
-        let settings = Settings { orientation: self.orientation(), seed, density: self.density, limit: None };
+        let settings =
+            PlacingSettings { orientation: self.orientation(), seed, density: self.density, limit: None };
         let few = self.packing == Method::Dense && !region.is_plane() && !self.allow_overlap;
         let tried = if few { within_area(shapes, region) } else { shapes };
         let (count, packed) = (shapes.len(), self.manner_of_packing());
@@ -312,7 +317,7 @@ impl Scenario {
 
     /// Returns the path of the room's file, if it is a drawing.
     pub(crate) fn drawing_file(&self) -> Option<&Path> {
-        self.geometry.as_deref().filter(|path| lemons_people::drawing::Format::of(path).is_some())
+        self.geometry.as_deref().filter(|path| lemons_people::drawing::DrawingFormat::of(path).is_some())
     }
 }
 
@@ -323,7 +328,8 @@ impl Ready<'_> {
     /// They do not fit without overlap and may not overlap, or `watch` stopped the placing.
     pub fn crowd(&self, watch: &mut Watch) -> Result<Crowd> {
         let Ready { scenario, place, numbers, agents } = self;
-        let mut shapes = agents.iter().map(Agent::shape).collect::<Result<Vec<Shape>, PeopleError>>()?;
+        let mut shapes =
+            agents.iter().map(CrowdMember::shape).collect::<Result<Vec<Shape>, PeopleError>>()?;
         if scenario.round {
             shapes = shapes.iter().map(round).collect();
         }
@@ -350,10 +356,10 @@ impl Ready<'_> {
     ///
     /// # Errors
     /// People cannot leave, a push reaches nobody, or the mechanical step would be too short.
-    pub fn made(self, name: &str, crowd: Crowd) -> Result<Made> {
+    pub fn made(self, name: &str, crowd: Crowd) -> Result<ScenarioDocuments> {
         let Ready { scenario, place, agents, .. } = self;
         let poses = crowd.packing.poses.iter().copied();
-        let placed: Vec<(Agent, Pose)> = agents.iter().cloned().zip(poses).collect();
+        let placed: Vec<(CrowdMember, Pose)> = agents.iter().cloned().zip(poses).collect();
         let mut trial = crowd_trial(name, &placed, place.geometry.clone(), &scenario.settings())?;
         if scenario.round {
             for (agent, shape) in trial.agents.iter_mut().zip(&crowd.shapes) {
@@ -375,7 +381,7 @@ impl Ready<'_> {
         let plan =
             |config: &_| Plan::of(&trial, config).map_err(|error| impossible(format!("{leave}{error}")));
         let decision = decision.map(|config| plan(&config).map(|plan| (config, plan))).transpose()?;
-        Ok(Made { trial, agents, crowd, place, drive: pushed, decision, notes })
+        Ok(ScenarioDocuments { trial, agents, crowd, place, drive: pushed, decision, notes })
     }
 }
 

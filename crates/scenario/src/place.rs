@@ -1,13 +1,13 @@
 //! Ground where people stand: the walls of the room, its doors, and the ground that walls leave.
 
 use crate::error::{Of, Result, ScenarioError, fits, impossible, require};
-use crate::forms::{Pair, RegionForm};
+use crate::forms::{RegionForm, TwoNumbers};
 use crate::{Scenario, WALLS};
-use lemons_core::files::source::Source as Files;
+use lemons_core::files::source::FileSource as Files;
 use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use lemons_people::drawing::places::inside;
-use lemons_people::drawing::{Format, LARGEST_DRAWING, Place as DrawnPlace, Read};
+use lemons_people::drawing::{DrawingFormat, LARGEST_DRAWING, NamedPlace as DrawnPlace, Read};
 use lemons_people::placing::{FreeSpace, Packing, Region};
 use lemons_people::room::Room;
 use lemons_people::{Door, PeopleError, closed_walls, cut_doors, walls};
@@ -35,7 +35,7 @@ pub struct Ground {
 
 /// Room in which people may stand, with its walls.
 #[derive(Debug, Clone)]
-pub struct Place {
+pub struct WalkableRoom {
     /// Grounds, at least one.
     pub grounds: Vec<Ground>,
     /// Walls, with doors.
@@ -54,7 +54,7 @@ pub struct Place {
     pub notes: Vec<String>,
 }
 
-impl Place {
+impl WalkableRoom {
     /// Returns whether people stand in the open.
     pub fn is_plane(&self) -> bool {
         self.grounds[0].free.region.is_plane()
@@ -110,7 +110,8 @@ impl Scenario {
     /// # Errors
     /// It cannot be read, or there are no walls in it; or it is no drawing, and is to be read as one.
     pub fn drawn(&self, files: &dyn Files) -> Result<Option<Read>> {
-        let Some((path, format)) = self.geometry.as_ref().and_then(|path| Some((path, Format::of(path)?)))
+        let Some((path, format)) =
+            self.geometry.as_ref().and_then(|path| Some((path, DrawingFormat::of(path)?)))
         else {
             let usual = Scenario::default();
             let keys = toml::Table::try_from(&self.drawing).unwrap_or_default().into_iter();
@@ -128,7 +129,7 @@ impl Scenario {
     }
 
     fn walls(&self, files: &dyn Files, drawn: Option<&Read>, notes: &mut Vec<String>) -> Result<Walls> {
-        if let Some(Pair([width, height])) = self.sides {
+        if let Some(TwoNumbers([width, height])) = self.sides {
             let region = Region::rectangle(Vec2::zeros(), vec2(width, height)).of("`box`")?;
             let name = format!("a box of {width} m x {height} m");
             return Ok((walls(region.rings(), WALLS), Ok(region), name));
@@ -156,7 +157,7 @@ impl Scenario {
     ///
     /// # Errors
     /// Walls do not bound a region, a region has no ground, or a door is not at a wall.
-    pub fn place(&self, files: &dyn Files, mut drawn: Option<Read>) -> Result<Place> {
+    pub fn place(&self, files: &dyn Files, mut drawn: Option<Read>) -> Result<WalkableRoom> {
         let mut notes = Vec::new();
         let (geometry, whole, name) = self.walls(files, drawn.as_ref(), &mut notes)?;
         let regions = self.regions_of(drawn.as_ref(), &mut notes)?;
@@ -201,7 +202,7 @@ impl Scenario {
             require(within, || "`regions`: more than half of one lies outside the room".to_owned())?;
             let lines = room.lines().of("`room`")?;
             let geometry = Room { doors: doors.clone(), ..room.clone() }.with_doors(geometry).of("`room`")?;
-            return Ok(Place { grounds, geometry, lines, name, has_regions, drawn, doors, notes });
+            return Ok(WalkableRoom { grounds, geometry, lines, name, has_regions, drawn, doors, notes });
         }
         let closed = closed_walls(&geometry);
         fits(doors.is_empty() || !closed.is_empty(), || {
@@ -209,7 +210,8 @@ impl Scenario {
         })?;
         let cut = cut_doors(geometry.clone(), &doors).of("`doors`")?;
         let lines = closed.iter().map(|ring| ring.closed().to_vec()).collect();
-        let mut place = Place { grounds, geometry: cut, lines, name, has_regions, drawn, doors, notes };
+        let mut place =
+            WalkableRoom { grounds, geometry: cut, lines, name, has_regions, drawn, doors, notes };
         place.check_doors(&geometry, &closed)?;
         Ok(place)
     }

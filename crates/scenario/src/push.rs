@@ -1,7 +1,7 @@
 //! Pushes: pulses on all who stand in a circle.
 
 use crate::error::{Result, require, within};
-use crate::forms::Pair;
+use crate::forms::TwoNumbers;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{DriveTable, EVER, Trial, half_sine};
 use lemons_people::heading;
@@ -16,7 +16,7 @@ const PIECES: u32 = 16;
 #[serde(deny_unknown_fields)]
 pub struct Push {
     /// \[m\] Middle of the circle.
-    pub at: Pair,
+    pub at: TwoNumbers,
     /// \[m\]
     pub radius: f64,
     /// \[°\]

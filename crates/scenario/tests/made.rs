@@ -1,18 +1,18 @@
 //! Scenarios of `crowds/` are made, written and read again. Tests of command, sweep, lab and Python compare with them.
 
-use lemons_core::files::source::{Disk, Memory};
+use lemons_core::files::source::{LocalFiles, Memory};
 use lemons_decision::{DecisionConfig, Spread};
-use lemons_scenario::{MOST_PEOPLE, Made, RegionForm, Scenario, ScenarioError};
+use lemons_scenario::{MOST_PEOPLE, RegionForm, Scenario, ScenarioDocuments, ScenarioError};
 use std::ops::ControlFlow;
 use std::path::Path;
 
 fn crowds() -> Vec<(String, Scenario)> {
-    let read = |(name, file): (_, std::path::PathBuf)| (name, Scenario::read(&Disk, &file).unwrap());
+    let read = |(name, file): (_, std::path::PathBuf)| (name, Scenario::read(&LocalFiles, &file).unwrap());
     lemons_testing::scenarios().into_iter().map(read).collect()
 }
 
-fn made(scenario: &Scenario) -> Result<Made, ScenarioError> {
-    scenario.documents("T", MOST_PEOPLE, &Disk, &mut |_| ControlFlow::Continue(()))
+fn made(scenario: &Scenario) -> Result<ScenarioDocuments, ScenarioError> {
+    scenario.documents("T", MOST_PEOPLE, &LocalFiles, &mut |_| ControlFlow::Continue(()))
 }
 
 #[test]

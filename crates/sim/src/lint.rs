@@ -12,7 +12,7 @@ use lemons_core::plane::Vec2;
 use lemons_core::trial::{
     Agent, AgentDynamics, DRIVE_FILE, DriveChoice, DriveTable, Parameters, Problem, Rule, Trial,
 };
-use lemons_decision::balance::Balance;
+use lemons_decision::balance::BalanceModel;
 use lemons_decision::plan::Planned;
 use lemons_decision::rule::UNLIMITED;
 use lemons_decision::target::Destination;
@@ -125,7 +125,7 @@ fn of_people(plan: &Plan, trial: &Trial) -> Vec<(Rule, String)> {
         found.push((Rule::CannotWalk, message));
     }
     // The pendulum's ankles have a rate of their own.
-    if let (Some(Balance::TwoLevel(_)), Some(first)) = (plan.balance, unmoved.first()) {
+    if let (Some(BalanceModel::TwoLevel(_)), Some(first)) = (plan.balance, unmoved.first()) {
         let id = &first.id;
         let message = "has legs and FloorDamping=\"0\" in Agents.xml: it does not try to stand still";
         found.push((Rule::LegsIdle, format!("agent {id:?} {message}")));

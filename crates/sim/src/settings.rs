@@ -3,9 +3,9 @@
 use crate::error::SimError;
 use crate::simulation::Simulation;
 pub use crate::variables::{Value, meant, named};
-use crowd_mechanics::quantities::Quantity;
+use crowd_mechanics::quantities::CrowdQuantity;
 use lemons_decision::decision;
-use lemons_fmi::variables::{Kind, Role, Scalar};
+use lemons_fmi::variables::{Role, Scalar, VariableType};
 use lemons_fmi::{Answer, Model};
 use std::collections::BTreeMap;
 
@@ -16,8 +16,8 @@ pub const DECISION: &str = "decision";
 
 /// The meaning of a name: variables of the crowd, of Decision, or parameters of people that both have.
 struct Meaning {
-    crowd: Vec<Scalar<Quantity>>,
-    decision: Vec<Scalar<decision::Quantity>>,
+    crowd: Vec<Scalar<CrowdQuantity>>,
+    decision: Vec<Scalar<decision::DecisionQuantity>>,
 }
 
 impl Meaning {
@@ -69,8 +69,8 @@ impl Simulation {
         self.crowd.set(&meaning.crowd, text)?;
         for Scalar { variable, element, .. } in &meaning.crowd {
             match variable.quantity {
-                Quantity::Fp => self.crowd.model.keep_drive_from(element / 2),
-                Quantity::Mp => self.crowd.model.keep_drive_from(*element),
+                CrowdQuantity::Fp => self.crowd.model.keep_drive_from(element / 2),
+                CrowdQuantity::Mp => self.crowd.model.keep_drive_from(*element),
                 _ => {}
             }
         }
@@ -99,7 +99,8 @@ impl Simulation {
         let mut found: BTreeMap<&str, (String, [f64; 2], usize)> = BTreeMap::new();
         for (name, of_decision) in &decision.variables {
             let (variable, element) = (of_decision.variable, of_decision.element);
-            let parameter = variable.role == Role::Parameter && matches!(variable.kind, Kind::Real(_));
+            let parameter =
+                variable.role == Role::Parameter && matches!(variable.kind, VariableType::Real(_));
             let Some(of_crowd) = self.crowd.variables.get(name).filter(|_| parameter) else { continue };
             let values = [
                 decision.model.number(variable.quantity, element)?,
@@ -114,7 +115,7 @@ impl Simulation {
     }
 
     /// Returns the outputs of Decision; none where nobody walks.
-    pub fn decision_outputs(&self) -> Vec<Scalar<decision::Quantity>> {
+    pub fn decision_outputs(&self) -> Vec<Scalar<decision::DecisionQuantity>> {
         let scalars = self.decision.as_ref().map(|decision| decision.model.scalars()).unwrap_or_default();
         scalars.into_iter().filter(|scalar| scalar.variable.role == Role::Calculated).collect()
     }
@@ -149,26 +150,29 @@ impl Simulation {
     ///
     /// # Errors
     /// There is no such variable, or it is a text: its name, and the one that is probably meant, if any.
-    pub fn select(&self, names: &[String]) -> Result<Selection, (String, Option<String>)> {
+    pub fn select(&self, names: &[String]) -> Result<VariableSelection, (String, Option<String>)> {
         let mut all = Vec::new();
         for name in names {
             let Meaning { crowd, decision } = self.meaning(name).map_err(|meant| (name.clone(), meant))?;
             let decision = if crowd.is_empty() { decision } else { Vec::new() };
             let kinds = crowd.iter().map(|of| of.variable.kind);
-            if kinds.chain(decision.iter().map(|of| of.variable.kind)).any(|kind| kind == Kind::String) {
+            if kinds
+                .chain(decision.iter().map(|of| of.variable.kind))
+                .any(|kind| kind == VariableType::String)
+            {
                 return Err((name.clone(), None));
             }
             all.extend(crowd.iter().map(|of| Selected::Crowd(of.variable.quantity, of.element)));
             all.extend(decision.iter().map(|of| Selected::Decision(of.variable.quantity, of.element)));
         }
-        Ok(Selection(all))
+        Ok(VariableSelection(all))
     }
 
     /// Returns the present values of selected variables.
     ///
     /// # Errors
     /// Decision cannot compute them.
-    pub fn read(&mut self, selection: &Selection) -> Result<Vec<f64>, SimError> {
+    pub fn read(&mut self, selection: &VariableSelection) -> Result<Vec<f64>, SimError> {
         let number = |selected: &Selected| match (*selected, &mut self.decision) {
             (Selected::Crowd(quantity, element), _) => self.crowd.model.number(quantity, element),
             (Selected::Decision(quantity, element), Some(own)) => own.model.number(quantity, element),
@@ -180,13 +184,13 @@ impl Simulation {
 
 /// Variables that are read together.
 #[derive(Debug, Clone)]
-pub struct Selection(Vec<Selected>);
+pub struct VariableSelection(Vec<Selected>);
 
 /// An element of a quantity.
 #[derive(Debug, Clone, Copy)]
 enum Selected {
-    Crowd(Quantity, usize),
-    Decision(decision::Quantity, usize),
+    Crowd(CrowdQuantity, usize),
+    Decision(decision::DecisionQuantity, usize),
 }
 
 /// The rest of a name after a prefix and a point.

@@ -2,13 +2,13 @@
 
 use crate::error::SimError;
 use crate::replay::observed;
-use crate::variables::Named;
+use crate::variables::IndexedModel;
 use crowd_mechanics::engine::{FaceExposure, World, Wrench, vec2};
-use crowd_mechanics::model::{CrowdModel, Saved as SavedCrowd};
-use crowd_mechanics::quantities::Quantity;
+use crowd_mechanics::model::{CrowdModel, SavedCrowd};
+use crowd_mechanics::quantities::CrowdQuantity;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
-use lemons_decision::decision::{Act, Saved as SavedDecision, Stance};
+use lemons_decision::decision::{Act, SavedDecision, Stance};
 use lemons_decision::{Decision, Plan};
 use lemons_fmi::{Model, Phase, Step, fingerprint};
 use lemons_results::{Frame, OfLegs, OfStep, OfWall, Totals};
@@ -89,8 +89,8 @@ impl fmt::Display for Algorithm {
 
 /// One simulation of a Trial.
 pub struct Simulation {
-    pub(crate) crowd: Named<CrowdModel>,
-    pub(crate) decision: Option<Named<Decision>>,
+    pub(crate) crowd: IndexedModel<CrowdModel>,
+    pub(crate) decision: Option<IndexedModel<Decision>>,
     algorithm: Algorithm,
     ids: Vec<String>,
     /// Added to the forces of those who walk; empty where nobody does, and the crowd is driven by it.
@@ -107,7 +107,7 @@ pub struct Simulation {
 
 /// Everything on which a simulation's future depends, besides its documents and settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Saved {
+pub struct SavedSimulation {
     time: f64,
     crowd: SavedCrowd,
     decision: Option<SavedDecision>,
@@ -127,8 +127,8 @@ impl Simulation {
             Some(_) => (DriveTable::default(), drive),
         };
         Ok(Simulation {
-            crowd: Named::of(CrowdModel::of_trial(trial, played)),
-            decision: plan.map(|plan| Named::of(Decision::new(plan))),
+            crowd: IndexedModel::of(CrowdModel::of_trial(trial, played)),
+            decision: plan.map(|plan| IndexedModel::of(Decision::new(plan))),
             algorithm,
             ids,
             added,
@@ -150,8 +150,8 @@ impl Simulation {
         self.time = start;
         let crowd = &mut self.crowd.model;
         crowd.set_tolerance(tolerance);
-        self.adds = crowd.number(Quantity::PlayDrive, 0)? != 0.0;
-        if let Some(Named { model: decision, .. }) = &mut self.decision {
+        self.adds = crowd.number(CrowdQuantity::PlayDrive, 0)? != 0.0;
+        if let Some(IndexedModel { model: decision, .. }) = &mut self.decision {
             decision.initialize(start)?;
             decision.see(crowd.trial().dynamics.iter().map(AgentDynamics::motion));
             self.acts = decision.acts()?;
@@ -186,7 +186,7 @@ impl Simulation {
 
     /// Takes an agent out, or lets it come back where it was. Of people who walk, Decision says it in each step.
     pub fn set_present(&mut self, agent: usize, present: bool) {
-        self.crowd.model.set(Quantity::Active, agent, present.into(), Phase::StepComplete);
+        self.crowd.model.set(CrowdQuantity::Active, agent, present.into(), Phase::StepComplete);
     }
 
     /// Steps to a communication point \[s\].
@@ -254,7 +254,7 @@ impl Simulation {
     }
 
     /// Returns the value of a parameter of the crowd that is a text.
-    pub fn text(&self, quantity: Quantity) -> &str {
+    pub fn text(&self, quantity: CrowdQuantity) -> &str {
         self.crowd.model.text(quantity, 0)
     }
 
@@ -299,7 +299,8 @@ impl Simulation {
     /// Returns the state at the present communication point, as bytes.
     pub fn save(&self) -> Vec<u8> {
         let decision = self.decision.as_ref().map(|decision| decision.model.save());
-        let saved = Saved { time: self.time, crowd: self.crowd.model.save(), decision, adds: self.adds };
+        let saved =
+            SavedSimulation { time: self.time, crowd: self.crowd.model.save(), decision, adds: self.adds };
         let content = postcard::to_stdvec(&saved).expect("a state is plain numbers and text");
         [&fingerprint(&content).to_le_bytes()[..], &content].concat()
     }
@@ -313,11 +314,13 @@ impl Simulation {
         if sum != fingerprint(content).to_le_bytes() {
             return Err(SimError::State);
         }
-        let saved: Saved = postcard::from_bytes(content).map_err(|_| SimError::State)?;
+        let saved: SavedSimulation = postcard::from_bytes(content).map_err(|_| SimError::State)?;
         if !saved.time.is_finite() || saved.decision.is_some() != self.decision.is_some() {
             return Err(SimError::State);
         }
-        if let (Some(Named { model: decision, .. }), Some(saved)) = (&mut self.decision, &saved.decision) {
+        if let (Some(IndexedModel { model: decision, .. }), Some(saved)) =
+            (&mut self.decision, &saved.decision)
+        {
             decision.restore(saved)?;
             self.acts = decision.acts()?;
         }
@@ -350,15 +353,15 @@ impl Simulation {
                 }
             }
             self.set_drive(i, drive, phase);
-            self.crowd.model.set(Quantity::Active, i, act.active.into(), phase);
+            self.crowd.model.set(CrowdQuantity::Active, i, act.active.into(), phase);
         }
     }
 
     fn set_drive(&mut self, agent: usize, Wrench { force, torque }: Wrench, phase: Phase) {
         for (quantity, element, value) in [
-            (Quantity::Fp, 2 * agent, force.x),
-            (Quantity::Fp, 2 * agent + 1, force.y),
-            (Quantity::Mp, agent, torque),
+            (CrowdQuantity::Fp, 2 * agent, force.x),
+            (CrowdQuantity::Fp, 2 * agent + 1, force.y),
+            (CrowdQuantity::Mp, agent, torque),
         ] {
             self.crowd.model.set(quantity, element, value, phase);
         }
@@ -369,7 +372,7 @@ impl Simulation {
             (Part::Crowd, Exchange::SetInputs, _) => self.drive_crowd(Phase::StepComplete),
             (Part::Crowd, Exchange::Step, _) => self.crowd.model.advance(step)?,
             (Part::Crowd, Exchange::GetOutputs, _) | (Part::Decision, _, None) => {}
-            (Part::Decision, Exchange::SetInputs, Some(Named { model, .. })) => {
+            (Part::Decision, Exchange::SetInputs, Some(IndexedModel { model, .. })) => {
                 model.see(self.crowd.model.world().into_iter().flat_map(motions));
             }
             (Part::Decision, Exchange::Step, Some(decision)) => decision.model.pass(step.length)?,

@@ -2,7 +2,7 @@
 
 use crate::error::SimError;
 use lemons_core::files::words;
-use lemons_fmi::variables::{Kind, Role, Scalar};
+use lemons_fmi::variables::{Role, Scalar, VariableType};
 use lemons_fmi::{Answer, Model, Phase};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -51,15 +51,15 @@ pub fn meant(unknown: &str, all: impl Iterator<Item = String>) -> Option<String>
 }
 
 /// A model, and its variables by name.
-pub(crate) struct Named<M: Model> {
+pub(crate) struct IndexedModel<M: Model> {
     pub model: M,
     pub variables: BTreeMap<String, Scalar<M::Quantity>>,
 }
 
-impl<M: Model> Named<M> {
-    pub fn of(model: M) -> Named<M> {
+impl<M: Model> IndexedModel<M> {
+    pub fn of(model: M) -> IndexedModel<M> {
         let scalars = model.scalars().into_iter();
-        Named { variables: scalars.map(|scalar| (scalar.name.clone(), scalar)).collect(), model }
+        IndexedModel { variables: scalars.map(|scalar| (scalar.name.clone(), scalar)).collect(), model }
     }
 
     /// Returns the variables that a name stands for; `None` if one of them is unknown.
@@ -81,13 +81,15 @@ impl<M: Model> Named<M> {
             return Err(wrong("it is computed, and cannot be set"));
         }
         let number = match first.variable.kind {
-            Kind::String => {
+            VariableType::String => {
                 let values: Vec<_> = scalars.iter().map(|scalar| (scalar.variable.quantity, text)).collect();
                 return Ok(self.model.set_texts(&values)?);
             }
-            Kind::Real(_) => text.trim().parse().map_err(|_| wrong("not a number"))?,
-            Kind::Integer => f64::from(text.trim().parse::<i32>().map_err(|_| wrong("not a number"))?),
-            Kind::Boolean => match text {
+            VariableType::Real(_) => text.trim().parse().map_err(|_| wrong("not a number"))?,
+            VariableType::Integer => {
+                f64::from(text.trim().parse::<i32>().map_err(|_| wrong("not a number"))?)
+            }
+            VariableType::Boolean => match text {
                 "true" | "1" => 1.0,
                 "false" | "0" => 0.0,
                 _ => return Err(wrong("neither true nor false")),
@@ -103,10 +105,10 @@ impl<M: Model> Named<M> {
     pub fn value(&mut self, scalar: &Scalar<M::Quantity>) -> Answer<Value> {
         let (quantity, element) = (scalar.variable.quantity, scalar.element);
         Ok(match scalar.variable.kind {
-            Kind::Real(_) => Value::Real(self.model.number(quantity, element)?),
-            Kind::Integer => Value::Integer(self.model.number(quantity, element)? as i32),
-            Kind::Boolean => Value::Boolean(self.model.number(quantity, element)? != 0.0),
-            Kind::String => Value::Text(self.model.text(quantity, element).to_owned()),
+            VariableType::Real(_) => Value::Real(self.model.number(quantity, element)?),
+            VariableType::Integer => Value::Integer(self.model.number(quantity, element)? as i32),
+            VariableType::Boolean => Value::Boolean(self.model.number(quantity, element)? != 0.0),
+            VariableType::String => Value::Text(self.model.text(quantity, element).to_owned()),
         })
     }
 }

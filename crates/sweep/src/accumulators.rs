@@ -1,17 +1,17 @@
 //! The measures of a point while it runs.
 
-use crate::error::{Place, Result};
-use crate::measure::balance::OfBalance;
+use crate::error::{ErrorPlace, Result};
+use crate::measure::balance::BalanceMeasure;
 use crate::measure::output::{OfOutput, Statistics};
 use crate::measure::places::{InArea, OverLine, Places};
-use crate::measure::squeeze::OfSqueeze;
-use crate::measure::{Kind, Measure, check_across};
+use crate::measure::squeeze::SqueezeMeasure;
+use crate::measure::{Measure, MeasureKind, check_across};
 use crate::output::{Reading, Stop, agents_named};
 use crate::spec::Spec;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;
 use lemons_results::Frame;
-use lemons_results::measure::{Balance, Density, Exposure, MeasuringArea, Passages};
+use lemons_results::measure::{BalanceOverTime, Density, MeasuringArea, Passages, SqueezeOverTime};
 use lemons_sim::Simulation;
 use std::collections::HashMap;
 
@@ -37,8 +37,8 @@ enum Accumulator<'a> {
     /// Without densities where it needs the room: they are measured at the end, in the frames that are kept.
     Area(&'a InArea, &'a MeasuringArea, Vec<Density>),
     /// And the places of the agents that count.
-    Squeeze(&'a OfSqueeze, Exposure),
-    Balance(&'a OfBalance, Vec<usize>, Balance),
+    Squeeze(&'a SqueezeMeasure, SqueezeOverTime),
+    Balance(&'a BalanceMeasure, Vec<usize>, BalanceOverTime),
 }
 
 impl<'a> Accumulators<'a> {
@@ -59,20 +59,22 @@ impl<'a> Accumulators<'a> {
         };
         let begin = |measure: &'a Measure| -> Result<Accumulator<'a>, String> {
             Ok(match &measure.kind {
-                Kind::Output(of) => {
+                MeasureKind::Output(of) => {
                     let reading = of.of.reading(simulation, trial, &of.agents)?;
                     of.check(reading.values())?;
                     Accumulator::Output(of, reading, Vec::new())
                 }
-                Kind::Line(of) => {
+                MeasureKind::Line(of) => {
                     let line = places.line(&of.line)?;
                     let width = of.width_at(point, line, &spec.points)?;
                     Accumulator::Line(of, Passages::over(line, people), width)
                 }
-                Kind::Area(of) => Accumulator::Area(of, places.area(&of.area)?, Vec::new()),
-                Kind::Squeeze(of) => Accumulator::Squeeze(of, of.begin(agents(&of.agents, of.across)?)),
-                Kind::Balance(of) => {
-                    Accumulator::Balance(of, agents(&of.agents, of.across)?, Balance::of(people))
+                MeasureKind::Area(of) => Accumulator::Area(of, places.area(&of.area)?, Vec::new()),
+                MeasureKind::Squeeze(of) => {
+                    Accumulator::Squeeze(of, of.begin(agents(&of.agents, of.across)?))
+                }
+                MeasureKind::Balance(of) => {
+                    Accumulator::Balance(of, agents(&of.agents, of.across)?, BalanceOverTime::of(people))
                 }
             })
         };
@@ -83,8 +85,7 @@ impl<'a> Accumulators<'a> {
         let reading = |stop: &'a Stop| -> Result<(&'a Stop, Reading), String> {
             Ok((stop, stop.of.reading(simulation, trial, &stop.agents)?))
         };
-        let of_room =
-            |(_, measure): &(String, Measure)| matches!(&measure.kind, Kind::Area(of) if of.needs_room());
+        let of_room = |(_, measure): &(String, Measure)| matches!(&measure.kind, MeasureKind::Area(of) if of.needs_room());
         Ok(Accumulators {
             places,
             people,

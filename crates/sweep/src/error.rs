@@ -3,21 +3,21 @@
 use std::io;
 
 /// The result of what this crate does.
-pub type Result<T, E = Error> = std::result::Result<T, E>;
+pub type Result<T, E = SweepError> = std::result::Result<T, E>;
 
 /// Why a sweep cannot be read, run or kept.
 ///
 /// A text does not contain that of its [`source()`](std::error::Error::source): all of them together, with `: ` between them, are
 /// the whole message.
 #[derive(Debug, thiserror::Error)]
-pub enum Error {
+pub enum SweepError {
     /// Where it happened: a file, or a key of `sweep.toml`.
     #[error("{place}")]
     In {
         /// As the user knows it.
         place: String,
         /// What happened there.
-        source: Box<Error>,
+        source: Box<SweepError>,
     },
     /// `sweep.toml` is not TOML, or a key is unknown, missing or of another type.
     #[error(transparent)]
@@ -39,7 +39,7 @@ pub enum Error {
     Json(#[from] serde_json::Error),
     /// A Trial, its drive or its plan cannot be used.
     #[error(transparent)]
-    Master(#[from] lemons_master::Error),
+    Master(#[from] lemons_master::MasterError),
     /// A point cannot be simulated.
     #[error(transparent)]
     Simulation(#[from] lemons_sim::SimError),
@@ -51,19 +51,19 @@ pub enum Error {
     Worker,
 }
 
-impl From<String> for Error {
-    fn from(what: String) -> Error {
-        Error::Spec(what)
+impl From<String> for SweepError {
+    fn from(what: String) -> SweepError {
+        SweepError::Spec(what)
     }
 }
 
-impl From<&str> for Error {
-    fn from(what: &str) -> Error {
-        Error::Spec(what.to_owned())
+impl From<&str> for SweepError {
+    fn from(what: &str) -> SweepError {
+        SweepError::Spec(what.to_owned())
     }
 }
 
-impl Error {
+impl SweepError {
     /// The whole message: see [`lemons_master::whole`].
     pub fn whole(&self) -> String {
         lemons_master::whole(self)
@@ -71,13 +71,13 @@ impl Error {
 }
 
 /// Says where an error happened.
-pub(crate) trait Place<T> {
+pub(crate) trait ErrorPlace<T> {
     /// The place comes before the error's own text.
     fn place(self, place: impl FnOnce() -> String) -> Result<T>;
 }
 
-impl<T, E: Into<Error>> Place<T> for Result<T, E> {
+impl<T, E: Into<SweepError>> ErrorPlace<T> for Result<T, E> {
     fn place(self, place: impl FnOnce() -> String) -> Result<T> {
-        self.map_err(|error| Error::In { place: place(), source: Box::new(error.into()) })
+        self.map_err(|error| SweepError::In { place: place(), source: Box::new(error.into()) })
     }
 }

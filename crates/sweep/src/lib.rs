@@ -19,11 +19,11 @@ mod summary;
 mod sweep;
 mod table;
 
-pub use error::{Error, Result};
-pub use models::{Model, Models, Plan, Template};
-pub use points::{Parameter, Points};
+pub use error::{Result, SweepError};
+pub use models::{Models, SweepModel, SweepPlan, Template};
+pub use points::{Points, SweepParameter};
 pub use simulate::check_parameters;
 pub use spec::Spec;
 pub use summary::{check_over, summary};
-pub use sweep::{Options, Progress, Swept, sweep};
-pub use table::{Finished, Measured, Table};
+pub use sweep::{Options, SweepProgress, Swept, sweep};
+pub use table::{Finished, MeasuredValue, SweepTable};

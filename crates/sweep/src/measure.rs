@@ -7,21 +7,21 @@ pub(crate) mod squeeze;
 
 use crate::error::Result;
 use crate::points::Points;
-use balance::OfBalance;
+use balance::BalanceMeasure;
 use lemons_core::require;
 use lemons_results::measure::{Across, Kept, within};
 use output::OfOutput;
 use places::{InArea, OverLine, Places};
 use serde::Serialize;
 use serde_json::Value;
-use squeeze::OfSqueeze;
+use squeeze::SqueezeMeasure;
 
 /// A measure, over the communication points that count. docs/measure.md defines those of lines, areas, squeeze
 /// and balance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measure {
     /// What is measured.
-    pub kind: Kind,
+    pub kind: MeasureKind,
     /// \[s\] From this time on.
     pub from: Option<f64>,
     /// \[s\] Up to this time.
@@ -30,7 +30,7 @@ pub struct Measure {
 
 /// What is measured.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Kind {
+pub enum MeasureKind {
     /// `of`: the values of an output.
     Output(OfOutput),
     /// `line`: people who cross it.
@@ -38,9 +38,9 @@ pub enum Kind {
     /// `area`: people in it.
     Area(InArea),
     /// `squeeze`: what people are exposed to.
-    Squeeze(OfSqueeze),
+    Squeeze(SqueezeMeasure),
     /// `balance`: how people who have legs keep it.
-    Balance(OfBalance),
+    Balance(BalanceMeasure),
 }
 
 /// One of these says what is measured.
@@ -54,22 +54,22 @@ impl Measure {
     pub(crate) fn read(value: toml::Value) -> Result<Measure> {
         let has = |kind: &&str| value.as_table().is_some_and(|table| table.contains_key(*kind));
         let kind = match KINDS.into_iter().filter(has).collect::<Vec<_>>()[..] {
-            ["of"] => Kind::Output(value.try_into()?),
-            ["line"] => Kind::Line(value.try_into()?),
-            ["area"] => Kind::Area(value.try_into()?),
-            ["squeeze"] => Kind::Squeeze(value.try_into()?),
-            ["balance"] => Kind::Balance(value.try_into()?),
+            ["of"] => MeasureKind::Output(value.try_into()?),
+            ["line"] => MeasureKind::Line(value.try_into()?),
+            ["area"] => MeasureKind::Area(value.try_into()?),
+            ["squeeze"] => MeasureKind::Squeeze(value.try_into()?),
+            ["balance"] => MeasureKind::Balance(value.try_into()?),
             _ => {
                 return Err(format!("must be a table with one of the keys {}", KINDS.join(", ")).into());
             }
         };
         let (from, until) = match &kind {
             // An output is measured at all times.
-            Kind::Output(_) => (None, None),
-            Kind::Line(of) => (of.from, of.until),
-            Kind::Area(of) => (of.from, of.until),
-            Kind::Squeeze(of) => (of.from, of.until),
-            Kind::Balance(of) => (of.from, of.until),
+            MeasureKind::Output(_) => (None, None),
+            MeasureKind::Line(of) => (of.from, of.until),
+            MeasureKind::Area(of) => (of.from, of.until),
+            MeasureKind::Squeeze(of) => (of.from, of.until),
+            MeasureKind::Balance(of) => (of.from, of.until),
         };
         Ok(Measure { kind, from, until })
     }
@@ -93,11 +93,11 @@ impl Measure {
         }
         match kind {
             // How many values or agents there are is known later.
-            Kind::Output(of) => of.check(1),
-            Kind::Line(of) => of.check(places, points),
-            Kind::Area(of) => of.check(places),
-            Kind::Squeeze(of) => of.check(),
-            Kind::Balance(of) => check_number("balance", &of.balance, &Kept::default()),
+            MeasureKind::Output(of) => of.check(1),
+            MeasureKind::Line(of) => of.check(places, points),
+            MeasureKind::Area(of) => of.check(places),
+            MeasureKind::Squeeze(of) => of.check(),
+            MeasureKind::Balance(of) => check_number("balance", &of.balance, &Kept::default()),
         }
     }
 }

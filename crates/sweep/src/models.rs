@@ -11,7 +11,7 @@ const MOST_MODELS: usize = 10_000;
 
 /// Where the people of Trials walk.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Plan {
+pub enum SweepPlan {
     /// By the Trial's `decision.toml`, if it has one.
     Own,
     /// Nobody walks.
@@ -21,13 +21,13 @@ pub enum Plan {
 }
 
 /// What is simulated at a point: a Trial, or the one in an FMU, and where people walk.
-pub type Model = (PathBuf, PlanChoice);
+pub type SweepModel = (PathBuf, PlanChoice);
 
 /// What is simulated at all points.
 #[derive(Debug, Clone)]
 pub struct Models {
     /// Each of them once.
-    pub all: Vec<Model>,
+    pub all: Vec<SweepModel>,
     /// The place of each point's own; `None` if all have the first.
     of_points: Option<Vec<usize>>,
     /// For each parameter, whether it only chooses.
@@ -41,16 +41,16 @@ impl Models {
     ///
     /// # Errors
     /// There are too many.
-    pub fn of(points: &Points, path: &Template, plan: &Plan) -> Result<Models> {
-        let model = |point: usize| -> Model {
+    pub fn of(points: &Points, path: &Template, plan: &SweepPlan) -> Result<Models> {
+        let model = |point: usize| -> SweepModel {
             let plan = match plan {
-                Plan::Own => PlanChoice::Own,
-                Plan::None => PlanChoice::None,
-                Plan::File(template) => PlanChoice::File(template.path(points, point)),
+                SweepPlan::Own => PlanChoice::Own,
+                SweepPlan::None => PlanChoice::None,
+                SweepPlan::File(template) => PlanChoice::File(template.path(points, point)),
             };
             (path.path(points, point), plan)
         };
-        let of_plan = |column| matches!(plan, Plan::File(template) if template.uses(column));
+        let of_plan = |column| matches!(plan, SweepPlan::File(template) if template.uses(column));
         let columns = 0..points.parameters.len();
         let chooses: Vec<bool> = columns.map(|column| path.uses(column) || of_plan(column)).collect();
         if !chooses.contains(&true) {
@@ -64,7 +64,7 @@ impl Models {
     /// # Errors
     /// There are too many.
     pub fn of_crowds(points: &Points, chooses: Vec<bool>) -> Result<Models> {
-        let model = |point: usize| -> Model {
+        let model = |point: usize| -> SweepModel {
             let chosen = points.parameters.iter().zip(&chooses).filter(|(_, chooses)| **chooses);
             let values = chosen.map(|(parameter, _)| format!("{} = {}", parameter.name, parameter.at(point)));
             let name = values.collect::<Vec<String>>().join(", ");
@@ -74,11 +74,11 @@ impl Models {
     }
 
     /// Each different model once.
-    fn among(points: &Points, chooses: Vec<bool>, model: impl Fn(usize) -> Model) -> Result<Models> {
+    fn among(points: &Points, chooses: Vec<bool>, model: impl Fn(usize) -> SweepModel) -> Result<Models> {
         let (mut all, mut first, mut known) = (Vec::new(), Vec::new(), HashMap::new());
         let mut of_points = Vec::with_capacity(points.count);
         for point in 0..points.count {
-            let place = *known.entry(model(point)).or_insert_with_key(|own: &Model| {
+            let place = *known.entry(model(point)).or_insert_with_key(|own: &SweepModel| {
                 all.push(own.clone());
                 first.push(point);
                 all.len() - 1

@@ -3,7 +3,7 @@
 use lemons_core::require;
 use lemons_core::trial::Trial;
 use lemons_results::Frame;
-use lemons_sim::settings::Selection;
+use lemons_sim::settings::VariableSelection;
 use lemons_sim::{SimError, Simulation};
 use serde::Deserialize;
 
@@ -35,7 +35,7 @@ const EACH_AGENT: &str = "agent[*].";
 
 /// Values that are read together.
 pub(crate) struct Reading {
-    selection: Selection,
+    selection: VariableSelection,
     /// The number of variables that become one value: the components of a vector.
     width: usize,
     /// The place of the agent of each value; empty if they are of no agents.

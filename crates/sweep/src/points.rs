@@ -1,6 +1,6 @@
 //! The points of a sweep: each has a value of every parameter; and the values of parameters, as `sweep.toml` has them.
 
-use crate::error::{Place, Result};
+use crate::error::{ErrorPlace, Result};
 use lemons_core::files::input;
 use lemons_core::require;
 use serde::Deserialize;
@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// A parameter of a sweep.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parameter {
+pub struct SweepParameter {
     /// Its name.
     pub name: String,
     /// Its different values, as text that is read back as the same number.
@@ -22,7 +22,7 @@ pub struct Parameter {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Points {
     /// What varies.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<SweepParameter>,
     /// Number of points.
     pub count: usize,
 }
@@ -35,7 +35,7 @@ const MOST_POINTS: usize = 10_000_000;
 /// \[byte\] Largest size of a table of points.
 const LARGEST_TABLE: u64 = 200_000_000;
 
-impl Parameter {
+impl SweepParameter {
     /// Returns the value at a point.
     pub fn at(&self, point: usize) -> &str {
         &self.values[self.place(point)]
@@ -64,7 +64,7 @@ impl Points {
     }
 
     /// Returns a parameter by its name.
-    pub(crate) fn parameter(&self, name: &str) -> Option<&Parameter> {
+    pub(crate) fn parameter(&self, name: &str) -> Option<&SweepParameter> {
         self.parameters.iter().find(|parameter| parameter.name == name)
     }
 
@@ -81,7 +81,7 @@ impl Points {
         let mut repeat = count;
         let parameters = axes.into_iter().map(|(name, values)| {
             repeat /= values.len();
-            Parameter { name, values, repeat }
+            SweepParameter { name, values, repeat }
         });
         Ok(Points { parameters: parameters.collect(), count })
     }
@@ -117,14 +117,14 @@ impl Points {
     pub fn of_rows(columns: Vec<(String, Vec<String>)>) -> Points {
         let count = columns.first().map_or(0, |(_, values)| values.len());
         let columns = columns.into_iter();
-        let parameters = columns.map(|(name, values)| Parameter { name, values, repeat: 1 }).collect();
+        let parameters = columns.map(|(name, values)| SweepParameter { name, values, repeat: 1 }).collect();
         Points { parameters, count }
     }
 
     /// Returns the SHA-1 of the names and all values.
     pub fn sha1(&self) -> String {
         let mut digest = Sha1::new();
-        for Parameter { name, values, repeat } in &self.parameters {
+        for SweepParameter { name, values, repeat } in &self.parameters {
             digest.update(format!("{name:?} {repeat} {values:?}").as_bytes());
         }
         digest.digest().to_string()

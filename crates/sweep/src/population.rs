@@ -1,8 +1,8 @@
 //! `[population]` of a `sweep.toml`: each point has a crowd of its own, made of a [`Scenario`].
 
-use crate::error::{Place, Result};
+use crate::error::{ErrorPlace, Result};
 use crate::points::Points;
-use lemons_core::files::source::Disk;
+use lemons_core::files::source::LocalFiles;
 use lemons_core::require;
 use lemons_scenario::{MOST_PEOPLE, Scenario};
 use lemons_sim::Documents;
@@ -54,7 +54,7 @@ impl Population {
     /// Those of [`Scenario::read`].
     pub fn read(path: &Path) -> Result<Population> {
         let directory = path.parent().unwrap_or(Path::new(""));
-        Ok(Population(Scenario::read_as_it_is(&Disk, path)?, directory.to_owned()))
+        Ok(Population(Scenario::read_as_it_is(&LocalFiles, path)?, directory.to_owned()))
     }
 
     /// Finds files in a directory, also those that parameters name.
@@ -81,7 +81,7 @@ impl Population {
     /// # Errors
     /// There is no such key, or a value cannot be read.
     pub fn choosers(&self, points: &Points) -> Result<Vec<bool>> {
-        let parameter = |parameter: &crate::points::Parameter| {
+        let parameter = |parameter: &crate::points::SweepParameter| {
             let Some(key) = parameter.name.strip_prefix(PREFIX) else { return Ok(false) };
             let set = |value: &String| self.clone().set(key, value).map(|_| true);
             parameter.values().iter().try_fold(true, |_, value| set(value)).place(|| parameter.name.clone())
@@ -135,7 +135,7 @@ impl Population {
     /// They do not fit, or cannot leave.
     pub fn documents(&self) -> Result<Documents> {
         let mut watch = |_: &_| ControlFlow::Continue(());
-        let made = self.found().documents("crowd", MOST_PEOPLE, &Disk, &mut watch)?;
+        let made = self.found().documents("crowd", MOST_PEOPLE, &LocalFiles, &mut watch)?;
         Ok(Documents { trial: made.trial, drive: made.drive, plan: made.decision.map(|(_, plan)| plan) })
     }
 }
@@ -151,10 +151,10 @@ mod tests {
             let text = std::fs::read_to_string(&file).unwrap();
             let text = if text.contains("leave =") { text } else { format!("leave = false\n{text}") };
             let population: Population = toml::from_str(&text).unwrap();
-            let scenario = Scenario::read(&Disk, &file).unwrap();
+            let scenario = Scenario::read(&LocalFiles, &file).unwrap();
             assert_eq!(population.0, scenario, "{}", file.display());
             let mut watch = |_: &_| ControlFlow::Continue(());
-            let made = scenario.documents("crowd", MOST_PEOPLE, &Disk, &mut watch).unwrap();
+            let made = scenario.documents("crowd", MOST_PEOPLE, &LocalFiles, &mut watch).unwrap();
             let own = population.documents().unwrap();
             assert_eq!((own.trial, own.plan), (made.trial, made.decision.map(|(_, plan)| plan)));
         }

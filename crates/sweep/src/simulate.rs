@@ -1,7 +1,7 @@
 //! Loads models, the documents of Trials with what a sweep sets and reads of them, and simulates points.
 
 use crate::accumulators::Accumulators;
-use crate::error::{Error, Place, Result};
+use crate::error::{ErrorPlace, Result, SweepError};
 use crate::identity;
 use crate::models::Models;
 use crate::points::Points;
@@ -19,19 +19,19 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Data shared by all points.
-pub struct Job {
+pub struct SweepJob {
     pub spec: Spec,
     /// By which the models are known again.
     digests: Vec<String>,
 }
 
-impl Job {
+impl SweepJob {
     /// Loads and checks all models, one after the other. Returns what must be equal to continue, and what is probably not
     /// meant.
     ///
     /// # Errors
     /// A model cannot be used.
-    pub fn open(spec: Spec) -> Result<(Job, Map<String, Value>, Vec<String>)> {
+    pub fn open(spec: Spec) -> Result<(SweepJob, Map<String, Value>, Vec<String>)> {
         let models = &spec.models;
         let (mut digests, mut warnings) = (Vec::new(), Vec::new());
         let mut identity = identity::of_spec(&spec);
@@ -39,7 +39,7 @@ impl Job {
             let path = model.0.display();
             // With several, a sentence about a parameter does not say of which one.
             let loaded = match LoadedModel::open(&spec, place, true) {
-                Err(error @ (Error::Spec(_) | Error::In { .. })) if models.all.len() > 1 => {
+                Err(error @ (SweepError::Spec(_) | SweepError::In { .. })) if models.all.len() > 1 => {
                     Err(error).place(|| path.to_string())?
                 }
                 loaded => loaded?,
@@ -58,7 +58,7 @@ impl Job {
         if models.all.len() > 1 {
             identity.extend(identity::of_models(&spec.points, &digests, models));
         }
-        Ok((Job { spec, digests }, identity, warnings))
+        Ok((SweepJob { spec, digests }, identity, warnings))
     }
 
     /// Loads one of the models again.
@@ -114,7 +114,7 @@ fn simulate(
             held = accumulators.add(simulation, frame)?;
         }
         let stops = held || stop.load(Ordering::Relaxed);
-        Ok::<_, Error>(if stops { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        Ok::<_, SweepError>(if stops { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     };
     let mut run = Stepper::new(*clock, 1, end.clone());
     run.run(simulation, &mut add, PointKind::Start)?;
@@ -154,10 +154,10 @@ impl LoadedModel {
             None => documents_of(path, &spec.drive, plan)?,
         };
         if walks.is_none() && spec.needs_plan {
-            return Err(Error::Spec(format!("plan = true: {} has no decision.toml", path.display())));
+            return Err(SweepError::Spec(format!("plan = true: {} has no decision.toml", path.display())));
         }
         let step = spec.step.unwrap_or(documents.trial.parameters.time_step);
-        let clock = Clock::new(0.0, step, spec.until.latest()).map_err(lemons_master::Error::from);
+        let clock = Clock::new(0.0, step, spec.until.latest()).map_err(lemons_master::MasterError::from);
         let clock = clock.place(|| "until".into())?;
         if examines {
             let files = match spec.population {
@@ -168,7 +168,7 @@ impl LoadedModel {
             problems.extend(lint::of_step(&documents, clock.step, &files));
         }
         let end = spec.until.condition(documents.drive.end(), || documents.leaving());
-        let end = end.map_err(|nobody| Error::Spec(format!("until = \"left\": {nobody}")))?;
+        let end = end.map_err(|nobody| SweepError::Spec(format!("until = \"left\": {nobody}")))?;
         let identity = identity::of_documents(&documents, spec.algorithm, clock.step)?;
         let trial = documents.trial.clone();
         let simulation = Simulation::new(documents, spec.algorithm)?;
@@ -186,7 +186,7 @@ impl LoadedModel {
 pub fn check_parameters(points: &Points, models: &Models, simulation: &Simulation) -> Result<()> {
     let mut all: HashSet<Vec<String>> = HashSet::new();
     for (place, parameter) in points.parameters.iter().enumerate() {
-        let wrong = |why: String| Error::Spec(format!("parameters: {}: {why}", parameter.name));
+        let wrong = |why: String| SweepError::Spec(format!("parameters: {}: {why}", parameter.name));
         if models.only_chooses(place) {
             continue;
         }

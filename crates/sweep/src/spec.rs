@@ -1,9 +1,9 @@
 //! Reads `sweep.toml`.
 
-use crate::error::{Place, Result};
+use crate::error::{ErrorPlace, Result};
 use crate::measure::Measure;
 use crate::measure::places::Places;
-use crate::models::{Models, Plan, Template};
+use crate::models::{Models, SweepPlan, Template};
 use crate::output::Stop;
 use crate::points::{Axis, OUTPUT_DIRECTORY, Points};
 use crate::population::Population;
@@ -206,9 +206,9 @@ impl Spec {
         let model = template(key, &model)?;
         let needs_plan = matches!(document.plan, Some(FileText::Switch(true)));
         let plan = match &document.plan {
-            None | Some(FileText::Switch(true)) => Plan::Own,
-            Some(FileText::Switch(false)) => Plan::None,
-            Some(FileText::File(text)) => Plan::File(template("plan", text)?),
+            None | Some(FileText::Switch(true)) => SweepPlan::Own,
+            Some(FileText::Switch(false)) => SweepPlan::None,
+            Some(FileText::File(text)) => SweepPlan::File(template("plan", text)?),
         };
         let drive = match document.drive {
             None | Some(FileText::Switch(true)) => DriveChoice::Own,

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::points::Points;
 use crate::spec::ENDED;
-use crate::table::{Finished, Measured};
+use crate::table::{Finished, MeasuredValue};
 use lemons_core::require;
 use lemons_results::measure::quantile;
 use std::collections::BTreeMap;
@@ -53,7 +53,7 @@ pub fn summary(points: &Points, measures: &[String], rows: &[Finished], over: &[
         let counts = counts.into_iter().flatten().map(|count| count.to_string());
         let values = |place: usize| {
             let values = runs.iter().filter_map(move |values| match values.get(place)? {
-                Some(Measured::Number(number)) => Some(*number),
+                Some(MeasuredValue::Number(number)) => Some(*number),
                 _ => None,
             });
             numbers(values.collect())
@@ -135,7 +135,7 @@ mod tests {
             ("seed".to_owned(), ["1", "2", "3"].map(str::to_owned).to_vec()),
         ];
         let points = Points::grid(axes).unwrap();
-        let number = |value: f64| Some(Measured::Number(value));
+        let number = |value: f64| Some(MeasuredValue::Number(value));
         let outcomes = [
             Ok(vec![number(1.0), number(9.0)]),
             Ok(vec![number(3.0), None]),

@@ -1,10 +1,10 @@
 //! Runs a sweep: threads simulate points, and their results are appended to the table.
 
-use crate::error::{Error, Place, Result};
+use crate::error::{ErrorPlace, Result, SweepError};
 use crate::points::Points;
-use crate::simulate::Job;
+use crate::simulate::SweepJob;
 use crate::spec::Spec;
-use crate::table::{Finished, Measured, Table};
+use crate::table::{Finished, MeasuredValue, SweepTable};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 /// The progress of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
+pub struct SweepProgress {
     /// Number of finished points, including failed ones.
     pub done: usize,
     /// Number of failed points.
@@ -46,7 +46,7 @@ pub struct Swept {
     /// All finished points, in order.
     pub rows: Vec<Finished>,
     /// How far it is.
-    pub progress: Progress,
+    pub progress: SweepProgress,
     /// What is probably not meant.
     pub warnings: Vec<String>,
 }
@@ -63,12 +63,12 @@ pub fn sweep(
     table: &Path,
     Options { threads, retry, by }: Options<'_>,
     stop: &AtomicBool,
-    mut report: impl FnMut(Progress),
+    mut report: impl FnMut(SweepProgress),
 ) -> Result<Swept> {
-    let (job, mut identity, warnings) = Job::open(spec)?;
+    let (job, mut identity, warnings) = SweepJob::open(spec)?;
     identity.insert("program".into(), by.into());
     let (points, measures) = (&job.spec.points, job.spec.measured());
-    let mut table = Table::open(table, &identity, points)?;
+    let mut table = SweepTable::open(table, &identity, points)?;
     table.name_measures(&measures)?;
     let mut left = vec![true; points.count];
     table.rows().filter(|row| row.outcome.is_ok() || !retry).for_each(|row| left[row.point] = false);
@@ -76,7 +76,7 @@ pub fn sweep(
     let done = points.count - left.len();
     let failed = table.rows().filter(|row| row.outcome.is_err()).count();
     let mut progress =
-        Progress { done, failed: if retry { 0 } else { failed }, total: points.count, before: done };
+        SweepProgress { done, failed: if retry { 0 } else { failed }, total: points.count, before: done };
     report(progress);
     let queue =
         Arc::new(Queue { job, points: left, next: AtomicUsize::new(0), over: AtomicBool::new(false) });
@@ -95,7 +95,7 @@ pub fn sweep(
 
 /// Data shared by the threads of a sweep.
 struct Queue {
-    job: Job,
+    job: SweepJob,
     points: Vec<usize>,
     /// Index of the next point in the list.
     next: AtomicUsize,
@@ -109,7 +109,9 @@ impl Queue {
         while let Some(&point) = self.points.get(self.next.fetch_add(1, Ordering::Relaxed)) {
             let outcome = match self.job.simulate(&mut last, point, &self.over) {
                 Ok(None) => return,
-                Ok(Some(values)) => Ok(values.into_iter().map(|value| value.map(Measured::Number)).collect()),
+                Ok(Some(values)) => {
+                    Ok(values.into_iter().map(|value| value.map(MeasuredValue::Number)).collect())
+                }
                 Err(error) => Err(error.whole()),
             };
             if finished.send(Finished { point, outcome }).is_err() || self.over.load(Ordering::Relaxed) {
@@ -137,7 +139,7 @@ fn simulate(
     drop(finished);
     let done = workers.place(|| "cannot start a thread".into()).and_then(|workers| {
         if collect(&arrived, stop, write)? {
-            workers.into_iter().try_for_each(|worker| worker.join().map_err(|_| Error::Worker))?;
+            workers.into_iter().try_for_each(|worker| worker.join().map_err(|_| SweepError::Worker))?;
         }
         Ok(())
     });

@@ -5,7 +5,7 @@
 //! off; its point is simulated again. When all points are finished, the rows are sorted: so the table does not depend on
 //! how often the sweep was stopped, or on the number of threads.
 
-use crate::error::{Error, Place, Result};
+use crate::error::{ErrorPlace, Result, SweepError};
 use crate::points::Points;
 use lemons_core::files::Staged;
 use lemons_core::require;
@@ -32,12 +32,12 @@ pub struct Finished {
     /// Number of the point, from 0.
     pub point: usize,
     /// The measured values, in the order of the measures, or the message of the failure.
-    pub outcome: Result<Vec<Option<Measured>>, String>,
+    pub outcome: Result<Vec<Option<MeasuredValue>>, String>,
 }
 
 /// What was measured.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Measured {
+pub enum MeasuredValue {
     /// A number.
     Number(f64),
     /// A text, of a measure that another program has computed.
@@ -45,7 +45,7 @@ pub enum Measured {
 }
 
 /// A table that is written. Only one process at a time can write to it.
-pub struct Table {
+pub struct SweepTable {
     path: PathBuf,
     points: Points,
     /// Names of the measures; `None` until the first results name them.
@@ -62,22 +62,22 @@ pub struct Table {
     written: usize,
 }
 
-impl Table {
+impl SweepTable {
     /// Creates the table, or opens that of an unfinished sweep.
     ///
     /// # Errors
     /// The file is no such table, or that of another sweep, another process writes it, or it cannot be written.
-    pub fn open(path: &Path, identity: &Map<String, Value>, points: &Points) -> Result<Table> {
+    pub fn open(path: &Path, identity: &Map<String, Value>, points: &Points) -> Result<SweepTable> {
         let at = || path.display().to_string();
         let file = File::options().create(true).read(true).append(true).open(path).place(at)?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
-                return Err(Error::Table(format!("{}: another process writes its results here", at())));
+                return Err(SweepError::Table(format!("{}: another process writes its results here", at())));
             }
             Err(TryLockError::Error(error)) => return Err(error).place(at),
         }
-        let mut table = Table {
+        let mut table = SweepTable {
             path: path.to_owned(),
             points: points.clone(),
             measures: None,
@@ -120,7 +120,7 @@ impl Table {
         if found && row.iter().rev().take(2).eq([ERROR, STATUS]) {
             return Ok(Some(row.iter().take(row.len() - 2).skip(fixed).map(str::to_owned).collect()));
         }
-        if lines.contains(&b'\n') { Err(Error::Table(OTHERS.into())) } else { Ok(None) }
+        if lines.contains(&b'\n') { Err(SweepError::Table(OTHERS.into())) } else { Ok(None) }
     }
 
     /// Returns the names of the measures, where they are known.
@@ -137,7 +137,7 @@ impl Table {
             return Ok(());
         }
         if self.rows().any(|row| row.outcome.is_ok()) {
-            return Err(Error::Table(OTHERS.into())).place(|| self.path.display().to_string());
+            return Err(SweepError::Table(OTHERS.into())).place(|| self.path.display().to_string());
         }
         self.measures = Some(measures.to_vec());
         let text = self.whole()?;
@@ -158,14 +158,14 @@ impl Table {
             let before = text.and_then(|text| serde_json::from_slice::<Map<String, Value>>(text).ok());
             let before = before.ok_or_else(|| {
                 let why = "is there, and is not the table of a sweep; give another file: -o";
-                Error::Table(format!("{shown} {why}"))
+                SweepError::Table(format!("{shown} {why}"))
             })?;
             let keys = identity.keys().chain(before.keys().filter(|key| !identity.contains_key(*key)));
             let differ = keys.filter(|key| identity.get(*key) != before.get(*key));
             let differ = differ.map(String::as_str).collect::<Vec<_>>().join(", ");
             require(differ.is_empty(), || {
                 let other = format!("{shown} is the table of another sweep: it differs in {differ}");
-                Error::Table(format!("{other}; give another file, or remove this one"))
+                SweepError::Table(format!("{other}; give another file, or remove this one"))
             })?;
         }
         let mut rest = Vec::new();
@@ -175,7 +175,7 @@ impl Table {
         if cut_off || self.measures.is_none() || rest.len() < names.len() && names.starts_with(&rest) {
             return Ok(0);
         }
-        let rows = rest.strip_prefix(&names[..]).ok_or(Error::Table(OTHERS.into())).place(at)?;
+        let rows = rest.strip_prefix(&names[..]).ok_or(SweepError::Table(OTHERS.into())).place(at)?;
         let lines = self.read_rows(rows);
         let advice = "cannot be used; if you remove it, all points are simulated again";
         let lines = lines.place(|| format!("{shown}: {advice}"))?;
@@ -194,7 +194,7 @@ impl Table {
             if end == rows.len() && (row.len() != width || !rows.ends_with(b"\n")) {
                 break;
             }
-            let wrong = |why| Error::Table(format!("row {}: {why}", self.written + 1));
+            let wrong = |why| SweepError::Table(format!("row {}: {why}", self.written + 1));
             let finished = self.finished(&row, width).map_err(wrong)?;
             self.keep(&finished);
             whole = end;
@@ -241,7 +241,10 @@ impl Table {
         }
         let unknown = rows.iter().map(|row| row.point).find(|point| *point >= self.points.count);
         if let Some(point) = unknown {
-            return Err(Error::Table(format!("there is no point {point}: there are {}", self.points.count)));
+            return Err(SweepError::Table(format!(
+                "there is no point {point}: there are {}",
+                self.points.count
+            )));
         }
         let mut text = Vec::new();
         for row in rows {
@@ -258,7 +261,7 @@ impl Table {
     /// The file cannot be written.
     pub fn finish(self) -> Result<Vec<Finished>> {
         let text = if self.sorted { None } else { Some(self.whole()?) };
-        let Table { path, file, rows, .. } = self;
+        let SweepTable { path, file, rows, .. } = self;
         if let Some(text) = text {
             let cannot = || format!("cannot write {}", path.display());
             let mut sorted = Staged::beside(&path).place(cannot)?;
@@ -287,9 +290,9 @@ impl Table {
         };
         let measured = measured.iter().map(|value| match value {
             None => String::new(),
-            Some(Measured::Number(value)) => format!("{value:?}"),
+            Some(MeasuredValue::Number(value)) => format!("{value:?}"),
             // As messages.
-            Some(Measured::Text(text)) => text.lines().collect::<Vec<_>>().join(" "),
+            Some(MeasuredValue::Text(text)) => text.lines().collect::<Vec<_>>().join(" "),
         });
         let row = std::iter::once(point.to_string()).chain(parameters).chain(measured);
         line(row.chain([status.to_owned(), error]))
@@ -297,9 +300,9 @@ impl Table {
 }
 
 /// Returns what a cell says that was measured.
-fn measured(cell: &str) -> Option<Measured> {
-    let text = |_| Measured::Text(cell.to_owned());
-    (!cell.is_empty()).then(|| cell.parse().map_or_else(text, Measured::Number))
+fn measured(cell: &str) -> Option<MeasuredValue> {
+    let text = |_| MeasuredValue::Text(cell.to_owned());
+    (!cell.is_empty()).then(|| cell.parse().map_or_else(text, MeasuredValue::Number))
 }
 
 fn line(cells: impl Iterator<Item = String>) -> Result<Vec<u8>> {
@@ -322,8 +325,8 @@ mod tests {
     fn row(point: usize) -> Finished {
         let outcome = match point {
             1 => Err("it \"fell\",\nbadly # so".to_owned()),
-            2 => Ok(vec![None, Some(Measured::Number(f64::INFINITY))]),
-            _ => Ok([1.0 / (point as f64 + 3.0), -0.0].map(Measured::Number).map(Some).to_vec()),
+            2 => Ok(vec![None, Some(MeasuredValue::Number(f64::INFINITY))]),
+            _ => Ok([1.0 / (point as f64 + 3.0), -0.0].map(MeasuredValue::Number).map(Some).to_vec()),
         };
         Finished { point, outcome }
     }
@@ -332,8 +335,8 @@ mod tests {
         Map::from_iter([("until".to_owned(), until.into()), ("program".to_owned(), "0.1.0".into())])
     }
 
-    fn open(path: &Path) -> Result<Table> {
-        let mut table = Table::open(path, &identity(2.0), &points())?;
+    fn open(path: &Path) -> Result<SweepTable> {
+        let mut table = SweepTable::open(path, &identity(2.0), &points())?;
         table.name_measures(&["x", "y"].map(str::to_owned))?;
         Ok(table)
     }
@@ -351,10 +354,10 @@ mod tests {
     fn measures_that_are_named_later_are_those_of_the_table() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("sweep.csv");
-        let open = || Table::open(&path, &identity(2.0), &points()).unwrap();
+        let open = || SweepTable::open(&path, &identity(2.0), &points()).unwrap();
         let fallen = |point| Finished { point, outcome: Err("it fell".into()) };
-        let far = Some(Measured::Text("far, \"so\"".into()));
-        let far = Finished { point: 2, outcome: Ok(vec![far, Some(Measured::Number(0.5))]) };
+        let far = Some(MeasuredValue::Text("far, \"so\"".into()));
+        let far = Finished { point: 2, outcome: Ok(vec![far, Some(MeasuredValue::Number(0.5))]) };
         let mut table = open();
         table.name_measures(&[]).unwrap();
         table.add(&[fallen(0)]).unwrap();
@@ -368,7 +371,7 @@ mod tests {
         assert!(open().name_measures(&[]).is_err());
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::write(&path, text.replace("status,error", "state")).unwrap();
-        assert!(Table::open(&path, &identity(2.0), &points()).is_err());
+        assert!(SweepTable::open(&path, &identity(2.0), &points()).is_err());
     }
 
     /// Wherever a sweep is killed, and in whatever order its points were finished.
@@ -410,7 +413,7 @@ mod tests {
         let mut table = open(&path).unwrap();
         let said = open(&path).err().unwrap().whole();
         assert!(said.contains("another process writes"), "{said}");
-        let again = Finished { point: 1, outcome: Ok(vec![Some(Measured::Number(1.0)), None]) };
+        let again = Finished { point: 1, outcome: Ok(vec![Some(MeasuredValue::Number(1.0)), None]) };
         table.add(std::slice::from_ref(&again)).unwrap();
         assert_eq!(table.finish().unwrap()[1], again);
         assert_eq!(open(&path).unwrap().rows().count(), 4);

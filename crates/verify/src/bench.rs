@@ -12,7 +12,7 @@ use anyhow::{Result, ensure};
 use cpu_time::ThreadTime;
 use crowd_mechanics::engine::{Shortlisting, World, Wrench};
 use crowd_mechanics::scenes::bare::BareCrowd;
-use crowd_mechanics::scenes::{BODIES, MASS, Placed, RATE, Random, in_a_box, pedestrian, world};
+use crowd_mechanics::scenes::{BODIES, MASS, PlacedBody, RATE, Random, in_a_box, pedestrian, world};
 use lemons_core::plane::{Vec2, vec2};
 use std::time::Instant;
 
@@ -75,7 +75,7 @@ fn crowd(agents: usize, spacing: Vec2, turned: f64, push: f64) -> World {
 }
 
 /// People in a room, of whom each pushes with at most so much \[N\] along x and y.
-fn pushing(people: &[Placed], around: &[(f64, f64)], push: f64, numbers: &mut Random) -> World {
+fn pushing(people: &[PlacedBody], around: &[(f64, f64)], push: f64, numbers: &mut Random) -> World {
     let mut world = world(people, &[around], BODIES, MECHANICAL_STEP);
     for drive in &mut world.drive {
         *drive = Wrench {
@@ -125,7 +125,8 @@ fn pressed(agents: usize) -> Result<World> {
 
 /// The paper's five people in a row, the first pushed with 700 N.
 fn push() -> World {
-    let people: Vec<Placed> = (0..5).map(|k| pedestrian(MASS, RATE).at(0.28 * f64::from(k), 0.0)).collect();
+    let people: Vec<PlacedBody> =
+        (0..5).map(|k| pedestrian(MASS, RATE).at(0.28 * f64::from(k), 0.0)).collect();
     let mut world = world(&people, &[], BODIES, 2e-6);
     world.drive[0].force.x = 700.0;
     world

@@ -23,10 +23,10 @@ use files::{decision_toml, fmu_archive, ssp_archive, trial_xml};
 use inputs::{drive_csv, run_file, sweep_toml, table_csv, trajectories};
 
 /// A fuzz target.
-pub type Target = fn(&[u8]);
+pub type FuzzTarget = fn(&[u8]);
 
 /// The targets, by the names of their fuzzers and of the directories of their inputs.
-pub const TARGETS: [(&str, Target); 10] = [
+pub const TARGETS: [(&str, FuzzTarget); 10] = [
     ("calls", calls),
     ("trial_xml", trial_xml),
     ("fmu_archive", fmu_archive),

@@ -21,7 +21,7 @@ const PAUSE: Duration = Duration::from_millis(10);
 const NOTHING: [ErrorKind; 3] = [ErrorKind::WouldBlock, ErrorKind::Interrupted, ErrorKind::ConnectionAborted];
 
 /// A request.
-pub struct Request<'a> {
+pub struct HttpRequest<'a> {
     pub method: &'a str,
     /// The path of the address, with what follows `?`.
     pub path: &'a str,
@@ -29,7 +29,7 @@ pub struct Request<'a> {
 }
 
 /// An answer.
-pub struct Answer {
+pub struct HttpResponse {
     pub status: &'static str,
     /// Lines of the head, each with its end.
     pub head: String,
@@ -50,7 +50,7 @@ struct Connection {
 pub fn serve(
     listener: &TcpListener,
     goes_on: impl Fn() -> bool,
-    answer: impl Fn(&Request) -> Answer + Sync,
+    answer: impl Fn(&HttpRequest) -> HttpResponse + Sync,
 ) -> Result<()> {
     listener.set_nonblocking(true)?;
     let answer = &answer;
@@ -91,7 +91,7 @@ pub fn serve(
 }
 
 /// Reads a request, and sends the answer.
-fn serve_one(connection: &Connection, answer: &impl Fn(&Request) -> Answer) -> Result<()> {
+fn serve_one(connection: &Connection, answer: &impl Fn(&HttpRequest) -> HttpResponse) -> Result<()> {
     let mut stream = &connection.stream;
     stream.set_nonblocking(false)?;
     stream.set_read_timeout(Some(PATIENCE))?;
@@ -112,7 +112,7 @@ fn serve_one(connection: &Connection, answer: &impl Fn(&Request) -> Answer) -> R
     connection.has_asked.store(true, Ordering::Relaxed);
     let text = String::from_utf8_lossy(&request[..end]);
     let request = request_of(&text);
-    let Answer { status, head, content } = answer(&request);
+    let HttpResponse { status, head, content } = answer(&request);
     let length = content.len();
     let head = format!("HTTP/1.1 {status}\r\nContent-Length: {length}\r\nConnection: close\r\n{head}\r\n");
     stream.write_all(head.as_bytes())?;
@@ -123,13 +123,13 @@ fn serve_one(connection: &Connection, answer: &impl Fn(&Request) -> Answer) -> R
 }
 
 /// Returns the request of a head; empty texts where it says nothing.
-fn request_of(head: &str) -> Request<'_> {
+fn request_of(head: &str) -> HttpRequest<'_> {
     let mut lines = head.split("\r\n");
     let mut words = lines.next().unwrap_or_default().split(' ');
     let (method, path) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
     let mut fields = lines.filter_map(|line| line.split_once(':'));
     let host = fields.find(|(name, _)| name.eq_ignore_ascii_case("host"));
-    Request { method, path, host: host.map_or("", |(_, value)| value.trim()) }
+    HttpRequest { method, path, host: host.map_or("", |(_, value)| value.trim()) }
 }
 
 #[cfg(test)]
@@ -153,7 +153,7 @@ mod tests {
     fn connections_that_ask_nothing_or_too_much_keep_nobody_else_waiting() {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let (address, over) = (listener.local_addr().unwrap(), AtomicBool::new(false));
-        let echo = |request: &Request| Answer {
+        let echo = |request: &HttpRequest| HttpResponse {
             status: "200 OK",
             head: "X-Lab: here\r\n".to_owned(),
             content: match request.path {

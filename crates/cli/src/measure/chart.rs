@@ -2,16 +2,16 @@
 
 use super::Arguments;
 use super::pass::OVER;
-use super::summary::{QUANTILES, Summary};
+use super::summary::{QUANTILES, RunSummary};
 use super::tables::directions;
-use lemons_picture::{Chart, ChartPanel, ChartStyle, Line, chart_svg};
+use lemons_picture::{Chart, ChartPanel, ChartStyle, Curve, chart_svg};
 use lemons_results::measure::{Density, Passage, windows};
 
 /// \[px\]
 pub const WIDTH: u32 = 800;
 
 /// Returns it as SVG. A panel without anything to show is left out.
-pub fn svg(arguments: &Arguments, summary: &Summary) -> String {
+pub fn svg(arguments: &Arguments, summary: &RunSummary) -> String {
     // Lines with the same name share a colour in all panels.
     let mut names: Vec<String> = Vec::new();
     let mut line = |name: String, points: Vec<(f64, f64)>| {
@@ -19,9 +19,9 @@ pub fn svg(arguments: &Arguments, summary: &Summary) -> String {
         if group == names.len() {
             names.push(name.clone());
         }
-        Line { name, points, group, dashed: false }
+        Curve { name, points, group, dashed: false }
     };
-    let Summary { from, until, .. } = *summary;
+    let RunSummary { from, until, .. } = *summary;
     // A direction in which nobody crosses is left out.
     let crossed = directions(summary).filter(|(.., passages)| !passages.is_empty());
     let crossed: Vec<(String, Vec<Passage>)> = crossed
@@ -39,7 +39,7 @@ pub fn svg(arguments: &Arguments, summary: &Summary) -> String {
         line(name.clone(), points.collect())
     });
     let flows = flows.collect();
-    let mut over = |value: fn(&Density) -> Option<f64>| -> Vec<Line> {
+    let mut over = |value: fn(&Density) -> Option<f64>| -> Vec<Curve> {
         let lines = summary.areas.iter().map(|area| {
             let points = area.over_time.iter().map(|seen| (seen.time, value(seen).unwrap_or(f64::NAN)));
             line(format!("area {}", area.name), points.collect())
@@ -55,7 +55,7 @@ pub fn svg(arguments: &Arguments, summary: &Summary) -> String {
         };
         line(name, summary.spread.iter().map(|(time, at)| (*time, at[k])).collect())
     });
-    let panels: [(String, Vec<Line>); 5] = [
+    let panels: [(String, Vec<Curve>); 5] = [
         ("people across".to_owned(), counts),
         ("flow (1/s)".to_owned(), flows),
         ("Voronoi density (1/m²)".to_owned(), densities),

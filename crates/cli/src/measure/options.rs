@@ -3,12 +3,12 @@
 use crate::error::Misused;
 use crate::values::list;
 use anyhow::{Result, bail};
-use lemons_results::measure::{Line, MeasuringArea};
+use lemons_results::measure::{CountingLine, MeasuringArea};
 use std::collections::HashSet;
 
 /// What has a name of its own, or gets its number for one.
 #[derive(Clone)]
-pub struct Named<T> {
+pub struct Labelled<T> {
     pub name: String,
     pub what: T,
 }
@@ -16,25 +16,25 @@ pub struct Named<T> {
 /// Columns that a name takes in a terminal.
 const LONGEST_NAME: usize = 20;
 
-fn named<T>(text: &str, read: impl Fn(&str) -> Result<T, String>) -> Result<Named<T>, String> {
+fn named<T>(text: &str, read: impl Fn(&str) -> Result<T, String>) -> Result<Labelled<T>, String> {
     let Some((name, rest)) = text.split_once('=') else {
-        return Ok(Named { name: String::new(), what: read(text)? });
+        return Ok(Labelled { name: String::new(), what: read(text)? });
     };
     let name = name.trim();
     if name.is_empty() || name.chars().any(char::is_control) || name.chars().count() > LONGEST_NAME {
         return Err(format!("a name has 1 to {LONGEST_NAME} characters"));
     }
-    Ok(Named { name: name.to_owned(), what: read(rest)? })
+    Ok(Labelled { name: name.to_owned(), what: read(rest)? })
 }
 
-pub fn line(text: &str) -> Result<Named<Line>, String> {
+pub fn line(text: &str) -> Result<Labelled<CountingLine>, String> {
     named(text, |text| {
-        let line = list(text).and_then(|numbers| Line::of_numbers(&numbers));
+        let line = list(text).and_then(|numbers| CountingLine::of_numbers(&numbers));
         line.ok_or_else(|| "must be two different points, as in door=5,2,5,3".into())
     })
 }
 
-pub fn measuring_area(text: &str) -> Result<Named<MeasuringArea>, String> {
+pub fn measuring_area(text: &str) -> Result<Labelled<MeasuringArea>, String> {
     named(text, |text| {
         let area = list(text).and_then(|numbers| MeasuringArea::of_numbers(&numbers));
         area.ok_or_else(|| {
@@ -49,9 +49,9 @@ pub fn measuring_area(text: &str) -> Result<Named<MeasuringArea>, String> {
 ///
 /// # Errors
 /// Two have the same name.
-pub fn name_all<T>(option: &str, all: &mut [Named<T>]) -> Result<()> {
+pub fn name_all<T>(option: &str, all: &mut [Labelled<T>]) -> Result<()> {
     let mut names = HashSet::new();
-    for (n, Named { name, .. }) in (1..).zip(all) {
+    for (n, Labelled { name, .. }) in (1..).zip(all) {
         if name.is_empty() {
             *name = i32::to_string(&n);
         }

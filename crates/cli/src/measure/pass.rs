@@ -1,13 +1,16 @@
 //! One pass over the frames of a run.
 
 use super::Arguments;
-use super::summary::{OfArea, OfBalance, OfLine, OfSqueeze, OfTrajectories, Piece, QUANTILES, Summary};
+use super::summary::{
+    BalanceSummary, OfArea, OfLine, OfTrajectories, Piece, QUANTILES, RunSummary, SqueezeSummary,
+};
 use crate::interrupt::Interrupt;
 use anyhow::{Result, bail};
 use lemons_core::trial::Wall;
 use lemons_results::Record;
 use lemons_results::measure::{
-    Balance, By, Density, Departures, Exposure, MovingMeans, Passages, Room, quantile, squeeze, within,
+    BalanceOverTime, By, Density, Departures, MovingMeans, Passages, SqueezeOverTime, VoronoiRoom, quantile,
+    squeeze, within,
 };
 use lemons_sim::Until;
 
@@ -18,21 +21,21 @@ pub const OVER: f64 = 1.0;
 pub fn pass(
     arguments: &Arguments,
     record: &Record,
-    room: Option<&Room>,
+    room: Option<&VoronoiRoom>,
     pieces: &[(&Wall, usize)],
     interrupt: &Interrupt,
-) -> Result<Summary> {
+) -> Result<RunSummary> {
     let Arguments { lines, areas, above, over, width, from, .. } = arguments;
     let (ids, until) = (record.ids(), arguments.until.and_then(Until::time));
     let people = ids.len();
     let mut passages: Vec<_> = lines.iter().map(|line| Passages::over(line.what, people)).collect();
     let mut densities: Vec<Vec<Density>> = vec![Vec::new(); areas.len()];
-    let mut exposure = Exposure::new(people, above, *over);
-    let mut parts = [(); 2].map(|()| Exposure::new(people, &[], None));
-    let mut of_walls: Option<Exposure> = None;
+    let mut exposure = SqueezeOverTime::new(people, above, *over);
+    let mut parts = [(); 2].map(|()| SqueezeOverTime::new(people, &[], None));
+    let mut of_walls: Option<SqueezeOverTime> = None;
     let (mut moving, mut spread) = (MovingMeans::over(OVER), Vec::new());
     let departures = if record.trajectories().is_some() { Departures::of_appearing } else { Departures::of };
-    let (mut departures, mut balance) = (departures(people), Balance::of(people));
+    let (mut departures, mut balance) = (departures(people), BalanceOverTime::of(people));
     let (mut stopped, mut first, mut last, mut frames) = (Ok(()), None, f64::NAN, 0);
     record.each(|_, frame| {
         if stopped.is_ok() {
@@ -53,7 +56,9 @@ pub fn pass(
         let walls = frame.walls.as_ref().filter(|walls| arguments.walls && walls.len() == pieces.len());
         if let Some(walls) = walls {
             let means = walls.iter().map(|wall| Some((wall.mean_normal_force, wall.peak_normal_force)));
-            of_walls.get_or_insert_with(|| Exposure::new(walls.len(), &[], None)).add(frame.time, means);
+            of_walls
+                .get_or_insert_with(|| SqueezeOverTime::new(walls.len(), &[], None))
+                .add(frame.time, means);
         }
         if arguments.plot.is_some() {
             let of_step = |agent| squeeze(&frame, agent, None).map(|(mean, _)| mean);
@@ -71,12 +76,12 @@ pub fn pass(
     let Some(first) = first else {
         bail!("{}: no frame between --from and --until", record.source().display());
     };
-    let squeezed = OfSqueeze::of(&exposure, &parts, (above, *over), ids);
+    let squeezed = SqueezeSummary::of(&exposure, &parts, (above, *over), ids);
     let walls = of_walls.map(|seen| {
         let each = pieces.iter().zip(seen.so_far()).enumerate();
         each.map(|(segment, (piece, seen))| Piece::of(segment, *piece, &seen)).collect()
     });
-    Ok(Summary {
+    Ok(RunSummary {
         source: arguments.source.path.display().to_string(),
         from: first,
         until: last,
@@ -94,7 +99,7 @@ pub fn pass(
         spread: if squeezed.is_ok() { spread } else { Vec::new() },
         exposure: squeezed.ok().flatten(),
         walls,
-        balance: balance.finish().and_then(|kept| OfBalance::of(kept, ids)),
+        balance: balance.finish().and_then(|kept| BalanceSummary::of(kept, ids)),
         notes: Vec::new(),
     })
 }

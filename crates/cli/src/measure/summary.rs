@@ -1,11 +1,11 @@
 //! All numbers of a measurement that do not depend on time: what is printed, and what is written as JSON.
 
-use super::options::Named;
+use super::options::Labelled;
 use lemons_core::trial::Wall;
 use lemons_results::Trajectories;
 use lemons_results::measure::{
-    Across, Crossings, Density, Exposed, Exposure, Kept, Left, Line, MeanMax, MeasuringArea, Passages, SPANS,
-    Way,
+    Across, CountingLine, Crossings, Density, Exposed, Kept, Left, MeanMax, MeasuringArea, Passages, SPANS,
+    SqueezeOverTime, Way,
 };
 use serde::Serialize;
 
@@ -14,7 +14,7 @@ pub const QUANTILES: [f64; 3] = [0.5, 0.9, 1.0];
 
 /// SI units; null: not known. What tables and pictures have of each frame and person is beside it, and not in the JSON.
 #[derive(Serialize)]
-pub struct Summary {
+pub struct RunSummary {
     pub source: String,
     /// \[s\]
     pub from: f64,
@@ -29,12 +29,12 @@ pub struct Summary {
     pub left: Option<Left>,
     pub lines: Vec<OfLine>,
     pub areas: Vec<OfArea>,
-    pub exposure: Option<OfSqueeze>,
+    pub exposure: Option<SqueezeSummary>,
     pub exposure_left_out: Option<&'static str>,
     /// The straight pieces of walls; null: not asked for.
     pub walls: Option<Vec<Piece>>,
     /// How people kept their balance; null: they have no legs.
-    pub balance: Option<OfBalance>,
+    pub balance: Option<BalanceSummary>,
     /// What the squeezes can mean, and what not.
     pub notes: Vec<String>,
     /// \[s\], \[N\] Of the mean squeezes of all people over the second that ends then: those of [`QUANTILES`].
@@ -80,7 +80,7 @@ pub struct OfLine {
 
 impl OfLine {
     pub fn of(
-        Named { name, what }: &Named<Line>,
+        Labelled { name, what }: &Labelled<CountingLine>,
         width: Option<f64>,
         passages: Passages,
         people: usize,
@@ -110,7 +110,7 @@ pub struct OfArea {
 }
 
 impl OfArea {
-    pub fn of(Named { name, what }: &Named<MeasuringArea>, over_time: Vec<Density>) -> OfArea {
+    pub fn of(Labelled { name, what }: &Labelled<MeasuringArea>, over_time: Vec<Density>) -> OfArea {
         let of = |value: fn(&Density) -> Option<f64>| MeanMax::of(over_time.iter().filter_map(value));
         OfArea {
             name: name.clone(),
@@ -155,7 +155,7 @@ impl Piece {
 }
 
 #[derive(Serialize)]
-pub struct OfBalance {
+pub struct BalanceSummary {
     /// How many people fell.
     pub fallen: usize,
     /// Of all people together.
@@ -168,10 +168,10 @@ pub struct OfBalance {
     pub each: Vec<Kept>,
 }
 
-impl OfBalance {
+impl BalanceSummary {
     /// `None` without people.
-    pub fn of(each: Vec<Kept>, ids: &[String]) -> Option<OfBalance> {
-        Some(OfBalance {
+    pub fn of(each: Vec<Kept>, ids: &[String]) -> Option<BalanceSummary> {
+        Some(BalanceSummary {
             fallen: each.iter().filter(|one| one.falls > 0).count(),
             steps: each.iter().map(|one| u64::from(one.steps)).sum(),
             time_unbalanced: OfPeople::of(&each, ids, |one| Some(one.time_unbalanced))?,
@@ -182,7 +182,7 @@ impl OfBalance {
 }
 
 #[derive(Serialize)]
-pub struct OfSqueeze {
+pub struct SqueezeSummary {
     /// \[s\]
     pub longest_step: f64,
     /// \[s\] Of the means that are compared with the levels; null: each communication step.
@@ -243,18 +243,18 @@ pub struct OfPeople {
     pub max_id: String,
 }
 
-impl OfSqueeze {
+impl SqueezeSummary {
     /// Sums up who was squeezed how much, in all and by each of [`By::ALL`](lemons_results::measure::By); `None` without
     /// people.
     ///
     /// # Errors
     /// Why it is not known.
     pub fn of(
-        seen: &Exposure,
-        parts: &[Exposure; 2],
+        seen: &SqueezeOverTime,
+        parts: &[SqueezeOverTime; 2],
         (levels, over): (&[f64], Option<f64>),
         ids: &[String],
-    ) -> Result<Option<OfSqueeze>, &'static str> {
+    ) -> Result<Option<SqueezeSummary>, &'static str> {
         let each = seen.finish()?;
         let level = |(k, &above): (usize, &f64)| {
             let first = each.iter().filter_map(|one| one.above[k]?.first);
@@ -264,10 +264,10 @@ impl OfSqueeze {
             OfLevel { above, people, time, longest, first: first.reduce(f64::min) }
         };
         let time_above = levels.iter().enumerate().map(level).collect();
-        let part = |seen: &Exposure| OfPart::of(seen.finish().ok()?, ids);
+        let part = |seen: &SqueezeOverTime| OfPart::of(seen.finish().ok()?, ids);
         let ([by_people, by_walls], whole) = (parts.each_ref().map(part), OfPart::of(each.clone(), ids));
         let peak = OfPeople::of(&each, ids, |one| Some(one.peak));
-        Ok(whole.zip(peak).map(|(OfPart { largest_mean, impulse, .. }, peak)| OfSqueeze {
+        Ok(whole.zip(peak).map(|(OfPart { largest_mean, impulse, .. }, peak)| SqueezeSummary {
             longest_step: seen.longest_step(),
             above_over: over,
             time_above,

@@ -4,13 +4,17 @@
 //! there is only the line with the names of columns.
 
 use super::Arguments;
-use super::summary::{OfArea, OfLine, OfPart, OfSqueeze, Summary};
+use super::summary::{OfArea, OfLine, OfPart, RunSummary, SqueezeSummary};
 use anyhow::Result;
 use lemons_results::measure::{Above, By, Flow, Kept, Passage, SPANS, Way, windows};
 use serde::Serialize;
 
 /// The names of the tables, each with its content for people with these Ids.
-pub fn of(arguments: &Arguments, ids: &[String], summary: &Summary) -> Result<Vec<(&'static str, String)>> {
+pub fn of(
+    arguments: &Arguments,
+    ids: &[String],
+    summary: &RunSummary,
+) -> Result<Vec<(&'static str, String)>> {
     let (flow, people) = (flow(arguments.window, summary), people(arguments, ids, summary));
     let all = [flow, gaps(ids, summary), density(summary), people, walls(summary)];
     NAMES.into_iter().zip(all).map(|(name, table)| Ok((name, table?))).collect()
@@ -29,12 +33,12 @@ fn csv(names: &[impl AsRef<[u8]>], rows: impl IntoIterator<Item = impl Serialize
 }
 
 /// Each line in each direction, with its first passages.
-pub fn directions(summary: &Summary) -> impl Iterator<Item = (&OfLine, Way, Vec<Passage>)> {
+pub fn directions(summary: &RunSummary) -> impl Iterator<Item = (&OfLine, Way, Vec<Passage>)> {
     summary.lines.iter().flat_map(|line| Way::ALL.map(|way| (line, way, line.passages.first(way))))
 }
 
 /// A row for each window \[s\] of each line and direction.
-fn flow(window: f64, summary: &Summary) -> Result<String> {
+fn flow(window: f64, summary: &RunSummary) -> Result<String> {
     let rows = directions(summary).flat_map(|(line, way, passages)| {
         let windows = windows(&passages, summary.from, summary.until, window).into_iter();
         windows.map(move |window| {
@@ -46,7 +50,7 @@ fn flow(window: f64, summary: &Summary) -> Result<String> {
 }
 
 /// A row for each first passage: N(t), and the time gap since the one before.
-fn gaps(ids: &[String], summary: &Summary) -> Result<String> {
+fn gaps(ids: &[String], summary: &RunSummary) -> Result<String> {
     let rows = directions(summary).flat_map(|(line, way, passages)| {
         let gaps = [None].into_iter().chain(Flow::of(&passages).gaps.into_iter().map(Some));
         let numbered = (1..).zip(passages).zip(gaps);
@@ -59,7 +63,7 @@ fn gaps(ids: &[String], summary: &Summary) -> Result<String> {
 }
 
 /// A row for each area and frame.
-fn density(summary: &Summary) -> Result<String> {
+fn density(summary: &RunSummary) -> Result<String> {
     let rows = summary.areas.iter().flat_map(|area| {
         let OfArea { name, over_time, .. } = area;
         over_time.iter().map(move |seen| (name, seen.time, seen))
@@ -68,7 +72,7 @@ fn density(summary: &Summary) -> Result<String> {
 }
 
 /// A row for each person.
-fn people(arguments: &Arguments, ids: &[String], summary: &Summary) -> Result<String> {
+fn people(arguments: &Arguments, ids: &[String], summary: &RunSummary) -> Result<String> {
     let over = arguments.over.map_or(String::new(), |over| format!("_over_{over}"));
     let mut names = vec!["id".to_owned(), "time".to_owned()];
     for what in ["time", "longest"] {
@@ -80,13 +84,13 @@ fn people(arguments: &Arguments, ids: &[String], summary: &Summary) -> Result<St
         names.extend(SPANS.map(|span| format!("largest_mean_{span}_by_{by}")));
         names.push(format!("impulse_by_{by}"));
     }
-    let Summary { exposure, balance, .. } = summary;
+    let RunSummary { exposure, balance, .. } = summary;
     let columns = names.len() - 1;
     if balance.is_some() {
         names.extend(["time_unbalanced", "steps", "fallen", "lean"].map(str::to_owned));
     }
-    let squeeze = |all: &OfSqueeze, k: usize| {
-        let OfSqueeze { each, by_people, by_walls, .. } = all;
+    let squeeze = |all: &SqueezeSummary, k: usize| {
+        let SqueezeSummary { each, by_people, by_walls, .. } = all;
         let one = &each[k];
         let above = [|above: Above| above.time, |above: Above| above.longest];
         let above = above.into_iter().flat_map(|of| one.above.iter().map(move |one| one.map(of)));
@@ -108,7 +112,7 @@ fn people(arguments: &Arguments, ids: &[String], summary: &Summary) -> Result<St
 }
 
 /// A row for each straight piece of a wall.
-fn walls(summary: &Summary) -> Result<String> {
+fn walls(summary: &RunSummary) -> Result<String> {
     let names =
         ["segment", "wall", "x1", "y1", "x2", "y2", "largest_mean_step", "largest_mean_1", "peak", "impulse"];
     csv(&names, summary.walls.iter().flatten())

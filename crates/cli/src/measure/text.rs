@@ -1,6 +1,6 @@
 //! The numbers of a measurement as text, 80 columns wide.
 
-use super::summary::{OfArea, OfBalance, OfLine, OfPart, OfPeople, OfSqueeze, Piece, Summary};
+use super::summary::{BalanceSummary, OfArea, OfLine, OfPart, OfPeople, Piece, RunSummary, SqueezeSummary};
 use crate::print;
 use anyhow::Result;
 use lemons_results::measure::{By, Crossings, Left, MeanMax};
@@ -10,9 +10,9 @@ use std::io::Write;
 const WIDTH: usize = 80;
 
 /// Prints a summary.
-pub fn print(summary: &Summary) -> Result<()> {
+pub fn print(summary: &RunSummary) -> Result<()> {
     let mut out = print::out();
-    let Summary { from, until, frames, people, .. } = summary;
+    let RunSummary { from, until, frames, people, .. } = summary;
     writeln!(out, "{:<18} {from:.3} to {until:.3} s, {frames} frames, {people} people", "measured")?;
     if let Some(left) = &summary.left {
         let last = left.last.map_or(String::new(), |last| format!(" (the last at {last:.3} s)"));
@@ -122,7 +122,7 @@ fn of_people(out: &mut impl Write, label: &str, of: Option<&OfPeople>, unit: &st
     row(out, label, &[*median, *quantile_90, *max].map(Some), (unit, 4), &who)
 }
 
-fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
+fn of_squeeze(out: &mut impl Write, squeeze: &SqueezeSummary) -> Result<()> {
     writeln!(out, "\nsqueeze of each person\n{:>31} {:>10} {:>10}", "median", "90 %", "greatest")?;
     let parts = By::ALL.map(By::name).into_iter().zip([&squeeze.by_people, &squeeze.by_walls]);
     let parts: Vec<(String, &OfPart)> =
@@ -155,8 +155,8 @@ fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
     Ok(())
 }
 
-fn of_balance(out: &mut impl Write, balance: &OfBalance, people: usize) -> Result<()> {
-    let OfBalance { fallen, steps, time_unbalanced, lean, .. } = balance;
+fn of_balance(out: &mut impl Write, balance: &BalanceSummary, people: usize) -> Result<()> {
+    let BalanceSummary { fallen, steps, time_unbalanced, lean, .. } = balance;
     let noun = if *steps == 1 { "step" } else { "steps" };
     writeln!(
         out,

@@ -5,7 +5,8 @@ use crate::interrupt::Interrupt;
 use anyhow::Result;
 use lemons_core::plane::{Pose, Vec2, rotation};
 use lemons_people::{
-    Agent, Body3d, CrowdSection, Figure, Person, section, write_geojson, write_obj, write_stl, write_wkt,
+    Body3d, CrowdMember, CrowdSection, Figure, Person, section, write_geojson, write_obj, write_stl,
+    write_wkt,
 };
 use std::io::Write;
 
@@ -13,7 +14,7 @@ use std::io::Write;
 /// ground \[m²\]. Bodies are made one after the other: those of a large crowd would not go into memory together. Who can
 /// have none was refused before.
 pub fn write(
-    crowd: &[(Agent, Pose)],
+    crowd: &[(CrowdMember, Pose)],
     altitudes: Option<&[f64]>,
     [covered, ground]: [f64; 2],
     outputs: &mut Outputs,

@@ -20,14 +20,14 @@ use clap::Args as _;
 use crowd_mechanics::pack::Binary;
 use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
-use lemons_core::files::source::{Disk, Memory};
+use lemons_core::files::source::{LocalFiles, Memory};
 use lemons_core::plane::Pose;
 use lemons_core::trial::{DRIVE_FILE, FileNames, Parameters, Trial};
 use lemons_decision::{DECISION_FILE, DecisionConfig};
 use lemons_master::TrialInput;
 use lemons_people::{
-    Agent, Body3d, CrowdStatistics, SKINS, TORSO_ALTITUDE, TRIAL_FILES, crowd_csv, light_xml, may_write,
-    write_trial, write_trial_zip,
+    Body3d, CrowdMember, CrowdStatistics, SKINS, TORSO_ALTITUDE, TRIAL_FILES, crowd_csv, light_xml,
+    may_write, write_trial, write_trial_zip,
 };
 use lemons_scenario::{Crowd, MOST_PEOPLE, OrientationName, Ready, Scenario, ScenarioError, named};
 use lemons_sim::lint::of_plan;
@@ -155,9 +155,9 @@ fn altitude(text: &str) -> Result<Altitude, String> {
 }
 
 /// \[m\] For the word torso those of the lowest, the mean and the highest one; none where nobody has a torso.
-fn altitudes(wanted: &[Altitude], agents: &[Agent]) -> Vec<f64> {
+fn altitudes(wanted: &[Altitude], agents: &[CrowdMember]) -> Vec<f64> {
     let statures: Vec<f64> =
-        agents.iter().flat_map(Agent::people).map(|(person, _)| person.stature).collect();
+        agents.iter().flat_map(CrowdMember::people).map(|(person, _)| person.stature).collect();
     let mean = statures.iter().sum::<f64>() / statures.len() as f64;
     let (low, high) = statures.iter().fold((mean, mean), |(low, high), &s| (low.min(s), high.max(s)));
     let torsos = [low, mean, high].map(|stature| TORSO_ALTITUDE * stature);
@@ -254,7 +254,7 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
         Words { now: &scenario.clone(), file: arguments.scenario.scenario.as_deref().zip(file.as_ref()) };
     let told = |error| words.error(error);
     scenario.check().map_err(told)?;
-    let population = scenario.population(&Disk).map_err(told)?;
+    let population = scenario.population(&LocalFiles).map_err(told)?;
     if arguments.others.light_xml.is_some() && population.has_bicycles() {
         let orientation = *scenario.orientation.get_or_insert(OrientationName::Fixed);
         if orientation != OrientationName::Fixed || scenario.direction.unwrap_or(0.0) % 90.0 != 0.0 {
@@ -275,11 +275,11 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
             "--leave and --balance write decision.toml into a Trial: give -o TRIAL or --zip FILE.zip".into()
         ));
     }
-    let drawn = scenario.drawn(&Disk).map_err(told)?;
+    let drawn = scenario.drawn(&LocalFiles).map_err(told)?;
     if let (Some(read), Some(path)) = (&drawn, &scenario.geometry) {
         say_drawn(read, path);
     }
-    let place = scenario.place(&Disk, drawn).map_err(told)?;
+    let place = scenario.place(&LocalFiles, drawn).map_err(told)?;
     place.notes.iter().for_each(|said| note!("{}", words.note(said)));
     let ready = scenario.ready(&population, place, MOST_PEOPLE).map_err(told)?;
     let Ready { place, numbers, agents, .. } = &ready;
@@ -331,7 +331,7 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
     writeln!(out, "{}", line("density", packing.density, &share))?;
     writeln!(out, "{}", line("largest overlap", 1e3 * packing.largest_overlap, "mm"))?;
 
-    let crowd: Vec<(Agent, Pose)> = agents.iter().cloned().zip(packing.poses.iter().copied()).collect();
+    let crowd: Vec<(CrowdMember, Pose)> = agents.iter().cloned().zip(packing.poses.iter().copied()).collect();
     outputs
         .fill("--save-scenario", |file| file.write_all(saved.as_deref().unwrap_or_default().as_bytes()))?;
     outputs.fill("--population", |file| file.write_all(crowd_csv(agents).as_bytes()))?;
@@ -440,7 +440,7 @@ impl TrialArguments {
 
 impl OtherArguments {
     /// Checks that the bodies that are wanted can be made.
-    fn check_bodies(&self, agents: &[Agent]) -> Result<()> {
+    fn check_bodies(&self, agents: &[CrowdMember]) -> Result<()> {
         let wanted = !self.sections.is_empty() || self.obj.is_some() || self.stl.is_some();
         for (k, agent) in agents.iter().enumerate().filter(|_| wanted) {
             for person in agent.everybody() {
@@ -455,7 +455,7 @@ impl Arguments {
     /// The scenario of the file, if there is one; and with what the options say.
     fn scenario(&self) -> Result<(Option<Scenario>, Scenario)> {
         let file = self.scenario.scenario.as_deref();
-        let file = file.map(|file| Scenario::read(&Disk, file)).transpose()?;
+        let file = file.map(|file| Scenario::read(&LocalFiles, file)).transpose()?;
         let mut scenario = file.clone().unwrap_or_default();
         scenario.each_path(|path| files::reads(path, "--scenario"));
         if self.number.is_some() || self.density.is_some() {

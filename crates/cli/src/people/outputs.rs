@@ -2,11 +2,11 @@
 
 use crate::error::and_then;
 use crate::output::Output;
-use crate::pictures::plot::Format;
+use crate::pictures::plot::PictureFormat;
 use anyhow::Result;
 use lemons_core::files::Staged;
 use lemons_core::trial::Trial;
-use lemons_picture::{Fill, Scene, Style, svg};
+use lemons_picture::{Fill, PictureScene, Style, svg};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -53,8 +53,10 @@ impl Outputs {
     }
 
     /// Draws the pictures that are wanted.
-    pub fn draw(&mut self, scene: &Scene, style: &Style) -> Result<()> {
-        for (option, format) in [("--svg", Format::Svg), ("--pdf", Format::Pdf), ("--png", Format::Png)] {
+    pub fn draw(&mut self, scene: &PictureScene, style: &Style) -> Result<()> {
+        for (option, format) in
+            [("--svg", PictureFormat::Svg), ("--pdf", PictureFormat::Pdf), ("--png", PictureFormat::Png)]
+        {
             if let Some(output) = self.of(option) {
                 let picture = format.bytes(svg(scene, style), PICTURE_WIDTH)?;
                 output.fill(|file| file.write_all(&picture))?;
@@ -77,10 +79,10 @@ impl Outputs {
 }
 
 /// Returns the picture of a crowd as its Trial has it.
-pub fn of_crowd(trial: &Trial) -> (Scene<'_>, Style) {
+pub fn of_crowd(trial: &Trial) -> (PictureScene<'_>, Style) {
     let kinds = trial.agents.iter().any(|agent| agent.kind.is_some());
     let fill = if kinds { Fill::Kind } else { Fill::BodyArea };
-    (Scene::at_start(trial), Style { width: PICTURE_WIDTH.into(), fill, ..Style::default() })
+    (PictureScene::at_start(trial), Style { width: PICTURE_WIDTH.into(), fill, ..Style::default() })
 }
 
 /// Says what was written where.

@@ -3,17 +3,17 @@
 use super::outputs::Outputs;
 use super::{line, measure};
 use crate::error::Misused;
-use crate::files::Force;
+use crate::files::ForceOption;
 use crate::print;
 use crate::values::{named, within};
 use anyhow::Result;
 use lemons_core::plane::Pose;
 use lemons_core::trial::Geometry;
 use lemons_people::{
-    Agent, Body3d, Measure, Sex, Shape, TrialSettings, crowd_trial, section, write_geojson, write_obj,
-    write_stl, write_wkt,
+    Body3d, BodyMeasure, CrowdMember, Sex, Shape, TrialSettings, crowd_trial, section, write_geojson,
+    write_obj, write_stl, write_wkt,
 };
-use lemons_picture::{Scene, Style};
+use lemons_picture::{PictureScene, Style};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -21,16 +21,16 @@ use std::path::PathBuf;
 #[command(override_usage = "lemons person --breadth CM --depth CM --stature M --mass KG [OPTIONS]")]
 pub struct Arguments {
     /// Shoulder breadth (bideltoid), in cm
-    #[arg(long, value_name = "CM", value_parser = measure(Measure::Breadth))]
+    #[arg(long, value_name = "CM", value_parser = measure(BodyMeasure::Breadth))]
     breadth: f64,
     /// Chest depth, in cm
-    #[arg(long, value_name = "CM", value_parser = measure(Measure::Depth))]
+    #[arg(long, value_name = "CM", value_parser = measure(BodyMeasure::Depth))]
     depth: f64,
     /// Stature: body height without shoes, in m
-    #[arg(long, value_name = "M", value_parser = measure(Measure::Stature))]
+    #[arg(long, value_name = "M", value_parser = measure(BodyMeasure::Stature))]
     stature: f64,
     /// Mass, in kg
-    #[arg(long, value_name = "KG", value_parser = measure(Measure::Mass))]
+    #[arg(long, value_name = "KG", value_parser = measure(BodyMeasure::Mass))]
     mass: f64,
     /// Sex of the three-dimensional body
     #[arg(long, value_parser = named(&Sex::ALL, Sex::name), default_value = "male")]
@@ -57,7 +57,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.pdf")]
     pdf: Option<PathBuf>,
     #[command(flatten)]
-    _force: Force,
+    _force: ForceOption,
 }
 
 pub fn person(arguments: &Arguments) -> Result<()> {
@@ -104,9 +104,9 @@ pub fn person(arguments: &Arguments) -> Result<()> {
         outputs.fill("--wkt", |file| write_wkt(&sections, file))?;
     }
     let open = Geometry { dimensions: None, walls: Vec::new() };
-    let alone = [(Agent::Pedestrian(person), Pose::default())];
+    let alone = [(CrowdMember::Pedestrian(person), Pose::default())];
     let trial = crowd_trial("person", &alone, open, &TrialSettings::default())?;
-    outputs.draw(&Scene::at_start(&trial), &Style::default())?;
+    outputs.draw(&PictureScene::at_start(&trial), &Style::default())?;
     let done = outputs.persist(|| Ok(()), &mut out);
     let printed = print::out().write_all(&out);
     done.and(Ok(printed?))

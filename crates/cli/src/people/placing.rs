@@ -9,9 +9,9 @@ use crate::values::named;
 use anyhow::Result;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_people::drawing::Read;
-use lemons_people::placing::{Method, Orientation, Progress, Stage};
+use lemons_people::placing::{Method, Orientation, PlacingProgress, Stage};
 use lemons_scenario::{
-    Crowd, DoorForm, DrawingForm, OrientationName, Pair, Ready, RegionForm, Scenario, ScenarioError,
+    Crowd, DoorForm, DrawingForm, OrientationName, Ready, RegionForm, Scenario, ScenarioError, TwoNumbers,
 };
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -76,7 +76,7 @@ impl PlacingArguments {
             (scenario.sides, scenario.geometry, scenario.room) = (None, None, None);
             scenario.drawing = DrawingForm::default();
         }
-        scenario.sides = self.sides.map(|sides| Pair(sides.into())).or(scenario.sides);
+        scenario.sides = self.sides.map(|sides| TwoNumbers(sides.into())).or(scenario.sides);
         scenario.geometry = self.geometry.clone().or(scenario.geometry.take());
         let drawing = self.drawing.form();
         if drawing != DrawingForm::default() {
@@ -132,7 +132,9 @@ pub fn placed(ready: &Ready, interrupt: &Interrupt) -> Result<Result<Crowd, Scen
     Ok(crowd)
 }
 
-fn described_progress(Progress { stage, iteration, density, overlap, .. }: &Progress) -> String {
+fn described_progress(
+    PlacingProgress { stage, iteration, density, overlap, .. }: &PlacingProgress,
+) -> String {
     let stage = match stage {
         Stage::Growing => "growing",
         Stage::Spreading => "spreading",

@@ -3,7 +3,7 @@
 use super::outputs::{Outputs, PICTURE_WIDTH};
 use super::regions::door;
 use crate::error::and_then;
-use crate::files::Force;
+use crate::files::ForceOption;
 use crate::interrupt::Interrupt;
 use crate::print;
 use crate::values::positive;
@@ -13,10 +13,11 @@ use lemons_core::files::input;
 use lemons_core::trial::{Geometry, Trial, Wall};
 use lemons_people::PeopleError;
 use lemons_people::drawing::{
-    Drawing, Format, Gap, LARGEST_DRAWING, Place, Plan, Proposal, Read, Reading, UNITS, sizes, write_plan,
+    Drawing, DrawingFormat, FloorPlan, Gap, LARGEST_DRAWING, NamedPlace, Proposal, Read, Reading, UNITS,
+    sizes, write_plan,
 };
 use lemons_people::{TrialSettings, crowd_trial};
-use lemons_picture::{Mark, MarkKind, Scene, Style};
+use lemons_picture::{MarkKind, PictureScene, PlaceMark, Style};
 use lemons_scenario::{DoorForm, DrawingForm, WALLS};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -53,7 +54,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
     #[command(flatten)]
-    _force: Force,
+    _force: ForceOption,
 }
 
 #[derive(clap::Args)]
@@ -108,8 +109,8 @@ fn length(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "must be a length up to 100 m, as in 5cm or 0.05".into())
 }
 
-fn format_of(path: &Path) -> Result<Format> {
-    Format::of(path).with_context(|| {
+fn format_of(path: &Path) -> Result<DrawingFormat> {
+    DrawingFormat::of(path).with_context(|| {
         format!(
             "{}: is no drawing: its name must end in .dxf, .geojson, .json, .wkt, .txt or .svg",
             path.display()
@@ -231,8 +232,8 @@ fn propose(arguments: &Arguments) -> Result<()> {
     }
     let geometry = walls_of(&found);
     let trial = bare(path, &geometry)?;
-    let mut scene = Scene::at_start(&trial);
-    let wide = found.wide.iter().map(|ends| Mark {
+    let mut scene = PictureScene::at_start(&trial);
+    let wide = found.wide.iter().map(|ends| PlaceMark {
         kind: MarkKind::Waypoint,
         name: format!("gap: {:.2} m", (ends[1] - ends[0]).norm()),
         corners: ends.to_vec(),
@@ -245,7 +246,7 @@ fn propose(arguments: &Arguments) -> Result<()> {
 }
 
 /// In which units two lines side by side would be walls, and how thick.
-fn units(format: Format, bytes: &[u8], reading: &DrawingArguments) -> String {
+fn units(format: DrawingFormat, bytes: &[u8], reading: &DrawingArguments) -> String {
     let in_unit = |(name, metres): (&str, f64)| {
         let how = Reading { unit: Some(metres), ..reading.form().reading() };
         let found =
@@ -268,9 +269,13 @@ fn walls_of(found: &Proposal) -> Geometry {
 }
 
 /// A gap, for the picture: red as an exit if it is a door.
-fn gap_mark(number: usize, gap: &Gap) -> Mark {
+fn gap_mark(number: usize, gap: &Gap) -> PlaceMark {
     let kind = if gap.kind() == "door" { MarkKind::Exit } else { MarkKind::Distribution };
-    Mark { kind, name: format!("{} {number}: {:.2} m", gap.kind(), gap.width()), corners: gap.ends.to_vec() }
+    PlaceMark {
+        kind,
+        name: format!("{} {number}: {:.2} m", gap.kind(), gap.width()),
+        corners: gap.ends.to_vec(),
+    }
 }
 
 /// A word of a shell.
@@ -314,7 +319,7 @@ pub fn room(arguments: &Arguments) -> Result<()> {
     }
     let geometry = read.plan.geometry(WALLS);
     let trial = bare(drawing, &geometry)?;
-    let mut scene = Scene::at_start(&trial);
+    let mut scene = PictureScene::at_start(&trial);
     scene.marks = marks(&read.plan);
     outputs.draw(&scene, &style())?;
     let mut out = Vec::new();
@@ -346,22 +351,26 @@ fn style() -> Style {
 }
 
 /// Exits, distributions and way-points, for the picture.
-pub fn marks(plan: &Plan) -> Vec<Mark> {
+pub fn marks(plan: &FloorPlan) -> Vec<PlaceMark> {
     let kinds = [
         (MarkKind::Exit, &plan.exits),
         (MarkKind::Distribution, &plan.distributions),
         (MarkKind::Waypoint, &plan.waypoints),
     ];
-    let mark = |kind, place: &Place| Mark { kind, name: place.name.clone(), corners: place.corners.clone() };
+    let mark = |kind, place: &NamedPlace| PlaceMark {
+        kind,
+        name: place.name.clone(),
+        corners: place.corners.clone(),
+    };
     kinds.into_iter().flat_map(|(kind, places)| places.iter().map(move |place| mark(kind, place))).collect()
 }
 
 /// The format of an output; `None` is Geometry.xml.
-fn written(path: &Path) -> Result<Option<Format>> {
+fn written(path: &Path) -> Result<Option<DrawingFormat>> {
     let is_xml = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("xml"));
-    match Format::of(path) {
+    match DrawingFormat::of(path) {
         _ if is_xml => Ok(None),
-        Some(format) if format != Format::Svg => Ok(Some(format)),
+        Some(format) if format != DrawingFormat::Svg => Ok(Some(format)),
         _ => bail!(crate::error::Misused(format!(
             "-o {}: its name must end in .xml, .geojson, .wkt or .dxf (a Trial needs people: lemons crowd --geometry FILE \
              makes one of a drawing)",
@@ -370,9 +379,9 @@ fn written(path: &Path) -> Result<Option<Format>> {
     }
 }
 
-fn not_written(plan: &Plan, kind: Option<Format>) {
+fn not_written(plan: &FloorPlan, kind: Option<DrawingFormat>) {
     let places = plan.exits.len() + plan.distributions.len() + plan.waypoints.len();
-    if places > 0 && matches!(kind, None | Some(Format::Wkt)) {
+    if places > 0 && matches!(kind, None | Some(DrawingFormat::Wkt)) {
         note!(
             "note: exits, distributions and way-points are not in this file: lemons crowd --geometry takes them from the \
              drawing, or from a .geojson or .dxf that is written here"

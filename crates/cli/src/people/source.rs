@@ -4,7 +4,7 @@ use super::{measure, person, ranged};
 use crate::error::Misused;
 use crate::values::within;
 use anyhow::{Result, bail};
-use lemons_people::{Measure, Person, Sex};
+use lemons_people::{BodyMeasure, Person, Sex};
 use lemons_scenario::{People, Scenario, Share};
 use std::path::PathBuf;
 
@@ -56,7 +56,7 @@ fn fixed(text: &str) -> Result<Person, String> {
     };
     let mut values = [0.0; 4];
     let names = ["breadth", "depth", "stature", "mass"];
-    for (((value, text), name), of) in values.iter_mut().zip(measures).zip(names).zip(Measure::ALL) {
+    for (((value, text), name), of) in values.iter_mut().zip(measures).zip(names).zip(BodyMeasure::ALL) {
         *value = measure(of)(text).map_err(|fault| format!("{name} {fault}"))?;
     }
     person(sex, values)

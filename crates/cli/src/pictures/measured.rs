@@ -9,26 +9,26 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Where people were seen, by the Id of the agent that stands for each.
-pub struct Measured {
+pub struct MeasuredPaths {
     people: BTreeMap<String, Vec<(f64, Vec2)>>,
 }
 
 /// Meaning of x and y of the file.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Origin {
+pub enum CoordinateOrigin {
     /// Positions in the Trial's plane
     Plane,
     /// Displacements of each from where it was at the file's first time
     Start,
 }
 
-impl Measured {
+impl MeasuredPaths {
     /// Reads a CSV with the columns t, id, x, y, in s and m; rows of one person by time.
-    pub fn read(path: &Path) -> Result<Measured> {
+    pub fn read(path: &Path) -> Result<MeasuredPaths> {
         Self::parse(path).with_context(|| format!("measured trajectories {}", path.display()))
     }
 
-    fn parse(path: &Path) -> Result<Measured> {
+    fn parse(path: &Path) -> Result<MeasuredPaths> {
         let file = input::open_bounded(path, input::LARGEST_DRIVE)?;
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
         let header = reader.headers()?.clone();
@@ -60,20 +60,20 @@ impl Measured {
         if people.is_empty() {
             bail!("holds no row");
         }
-        Ok(Measured { people })
+        Ok(MeasuredPaths { people })
     }
 
     /// Moved to where each agent of a run was at the file's first time, if the file has displacements from there.
     ///
     /// # Errors
     /// An Id is not that of an agent, or the position of an agent at this time is not known.
-    pub fn placed(mut self, origin: Origin, run: &Run) -> Result<Measured> {
+    pub fn placed(mut self, origin: CoordinateOrigin, run: &Run) -> Result<MeasuredPaths> {
         let start = self.people.values().map(|rows| rows[0].0).fold(f64::INFINITY, f64::min);
         let agents = agents_at(run, start);
         for (id, rows) in &mut self.people {
             let place = run.ids.iter().position(|known| known == id);
             let place = place.with_context(|| format!("measured trajectories: there is no agent {id:?}"))?;
-            if origin == Origin::Plane {
+            if origin == CoordinateOrigin::Plane {
                 continue;
             }
             let (first, (begin, end)) = (rows[0].0, run.times());
@@ -101,10 +101,10 @@ mod tests {
     use lemons_core::plane::{Motion, Pose};
     use lemons_results::Frame;
 
-    fn read(text: &str) -> Result<Measured> {
+    fn read(text: &str) -> Result<MeasuredPaths> {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), text).unwrap();
-        Measured::read(file.path())
+        MeasuredPaths::read(file.path())
     }
 
     #[test]
@@ -118,13 +118,14 @@ mod tests {
             frames: vec![Frame { time, agents: vec![at(10.0, 20.0), at(0.0, 1.0)], ..Frame::default() }],
         };
         let both = run(&["a", "b"], 0.0);
-        let placed = read(rows).unwrap().placed(Origin::Start, &both).unwrap();
+        let placed = read(rows).unwrap().placed(CoordinateOrigin::Start, &both).unwrap();
         assert_eq!(placed.of("a"), [(0.0, vec2(10.0, 20.0)), (0.1, vec2(10.25, 19.0))]);
         assert_eq!(placed.of("c"), []);
-        let plane = read(rows).unwrap().placed(Origin::Plane, &both).unwrap();
+        let plane = read(rows).unwrap().placed(CoordinateOrigin::Plane, &both).unwrap();
         assert_eq!(plane.of("a")[1], (0.1, vec2(0.75, -1.0)));
-        let said =
-            |rows: &str, run: &Run| read(rows).unwrap().placed(Origin::Start, run).err().unwrap().to_string();
+        let said = |rows: &str, run: &Run| {
+            read(rows).unwrap().placed(CoordinateOrigin::Start, run).err().unwrap().to_string()
+        };
         assert!(said(rows, &run(&["a"], 0.0)).contains("no agent \"b\""));
         assert!(said(rows, &run(&["a", "b"], 2.0)).contains("the run goes from 2.0"));
         assert!(said("t,id,x,y\n0,a,0,0\n1,b,0,0\n", &both).contains("\"b\" is seen from t = 1.0"));

@@ -1,17 +1,17 @@
 //! `lemons movie`: the scene over time.
 
-use super::source::{KeptFrames, Source};
+use super::source::{KeptFrames, RunSource};
 use super::style::{Scenes, StyleArguments};
 use super::trial_run::TrialRun;
 use crate::error::Misused;
-use crate::files::Force;
+use crate::files::ForceOption;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::values::{positive, seconds, within};
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::files::{Scratch, Staged, input};
-use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
+use lemons_picture::{Animation, AnimationFormat, PictureScene, Pixels, Style, pixels, svg};
 use lemons_results::Frame;
 use lemons_sim::Until;
 use lemons_sim::stop::REST;
@@ -31,7 +31,7 @@ const MOST_OF_GIF: f64 = 50.0;
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
-    pub source: Source,
+    pub source: RunSource,
     /// File for the movie: MP4 (needs the program ffmpeg), animated PNG or GIF. Default: movie.mp4, or
     /// movie.gif if there is no ffmpeg
     #[arg(short, long, value_name = "FILE.mp4, .png or .gif")]
@@ -52,7 +52,7 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS, still or left", value_parser = until)]
     until: Option<Until>,
     #[command(flatten)]
-    _force: Force,
+    _force: ForceOption,
     #[command(flatten)]
     style: StyleArguments,
 }
@@ -107,7 +107,8 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let mut shown = |time: &f64| scenes.at(*time);
     // Frames for ffmpeg need even sides.
     let sides = if format.is_none() { 2 } else { 1 };
-    let draw = |(scene, style): &(Scene, Style)| pixels(&svg(scene, style), arguments.style.width, sides);
+    let draw =
+        |(scene, style): &(PictureScene, Style)| pixels(&svg(scene, style), arguments.style.width, sides);
     // Its size is that of all.
     let first_frame = draw(&shown(&first))?;
     let film = Film::begin(file.writer(), format, *frame_rate, times.len(), &first_frame);
@@ -115,7 +116,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let template = "{bar:40} {percent:>3}%  frame {pos} of {len}  {eta} left";
     let progress = crate::print::bar(times.len() as u64, template)?;
     for batch in times.chunks(BATCH) {
-        let shown: Vec<(Scene, Style)> = batch.iter().map(&mut shown).collect();
+        let shown: Vec<(PictureScene, Style)> = batch.iter().map(&mut shown).collect();
         let drawn: Vec<_> = shown.par_iter().map(draw).collect();
         for frame in drawn {
             interrupt.check()?;

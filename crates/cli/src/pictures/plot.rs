@@ -1,11 +1,11 @@
 //! `lemons plot`: scenes, time series, a map of density.
 
-use super::quantity::{Quantity, Shown};
-use super::source::{KeptFrames, Opened, Source};
+use super::quantity::{DrawnQuantity, DrawnValues};
+use super::source::{KeptFrames, Opened, RunSource};
 use super::style::{Scenes, StyleArguments};
 use super::trial_run::{Bodies, TrialRun, nothing_between};
 use crate::error::Misused;
-use crate::files::Force;
+use crate::files::ForceOption;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::run::until;
@@ -13,8 +13,8 @@ use crate::values::{seconds, within as number_within};
 use anyhow::{Context, Result, bail};
 use lemons_core::plane::Vec2;
 use lemons_picture::{
-    Chart, ChartPanel, ChartStyle, DENSITY_KERNEL, DensityMap, Line, Scene, Style, chart_svg, pdf, png,
-    sheet, svg, titled,
+    Chart, ChartPanel, ChartStyle, Curve, DENSITY_KERNEL, DensityMap, PictureScene, Style, chart_svg, pdf,
+    png, sheet, svg, titled,
 };
 use lemons_results::Frame;
 use lemons_results::measure::within;
@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
-    pub source: Source,
+    pub source: RunSource,
     /// File for the picture: PNG, or the vector formats SVG and PDF
     #[arg(short, long, default_value = "plot.png", value_name = "FILE.png, .svg or .pdf")]
     output: PathBuf,
@@ -39,7 +39,7 @@ pub struct Arguments {
     /// Draw these quantities over time for each agent, instead of scenes. Curves of contacts are drawn
     /// slightly apart; equal curves are drawn in dashes of all their colours
     #[arg(long, value_name = "QUANTITY,…", value_delimiter = ',', conflicts_with = "density")]
-    series: Vec<Quantity>,
+    series: Vec<DrawnQuantity>,
     /// Draw time series of these agents only, by Id. Default: all
     #[arg(long, value_name = "ID,…", value_delimiter = ',', requires = "series")]
     agents: Vec<String>,
@@ -60,7 +60,7 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
     until: Option<Until>,
     #[command(flatten)]
-    _force: Force,
+    _force: ForceOption,
     #[command(flatten)]
     style: StyleArguments,
 }
@@ -87,7 +87,7 @@ pub fn drawn(arguments: &Arguments) -> Result<Vec<u8>> {
 impl Arguments {
     /// Checks that the options belong together.
     fn check(&self) -> Result<()> {
-        Format::of(&self.output)?;
+        PictureFormat::of(&self.output)?;
         if self.at.iter().any(|time| !(*time >= 0.0 && time.is_finite())) {
             bail!(Misused("--at: times are numbers of seconds, not below 0".into()));
         }
@@ -108,25 +108,25 @@ impl Arguments {
         } else {
             scenes(self, interrupt)?
         };
-        Format::of(&self.output)?.bytes(text, self.style.width)
+        PictureFormat::of(&self.output)?.bytes(text, self.style.width)
     }
 }
 
 /// Format of a picture.
 #[derive(Clone, Copy)]
-pub enum Format {
+pub enum PictureFormat {
     Svg,
     Png,
     Pdf,
 }
 
-impl Format {
+impl PictureFormat {
     /// Returns the format of a file's name.
-    pub fn of(path: &Path) -> Result<Format> {
+    pub fn of(path: &Path) -> Result<PictureFormat> {
         match path.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
-            Some("svg") => Ok(Format::Svg),
-            Some("png") => Ok(Format::Png),
-            Some("pdf") => Ok(Format::Pdf),
+            Some("svg") => Ok(PictureFormat::Svg),
+            Some("png") => Ok(PictureFormat::Png),
+            Some("pdf") => Ok(PictureFormat::Pdf),
             _ => bail!(Misused(format!("{}: pictures are .png, .svg or .pdf", path.display()))),
         }
     }
@@ -134,9 +134,9 @@ impl Format {
     /// Returns a picture in SVG in this format.
     pub fn bytes(self, svg: String, width: u32) -> Result<Vec<u8>> {
         Ok(match self {
-            Format::Svg => svg.into_bytes(),
-            Format::Png => png(&svg, width)?,
-            Format::Pdf => pdf(&svg)?,
+            PictureFormat::Svg => svg.into_bytes(),
+            PictureFormat::Png => png(&svg, width)?,
+            PictureFormat::Pdf => pdf(&svg)?,
         })
     }
 }
@@ -151,8 +151,8 @@ fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let asked = if at.is_empty() { vec![run.run.times().1] } else { at.clone() };
     let times: Vec<f64> = asked.iter().map(|time| run.run.frames[run.nearest(*time)].time).collect();
     let mut all = Scenes::new(style, &run, &times, interrupt)?;
-    let drawn: Vec<(Scene, Style)> = times.iter().map(|time| all.at(*time)).collect();
-    let panels: Vec<(&Scene, &Style)> = drawn.iter().map(|(scene, style)| (scene, style)).collect();
+    let drawn: Vec<(PictureScene, Style)> = times.iter().map(|time| all.at(*time)).collect();
+    let panels: Vec<(&PictureScene, &Style)> = drawn.iter().map(|(scene, style)| (scene, style)).collect();
     let size = drawn[0].0.view.unwrap_or_else(|| drawn[0].0.extent()).size();
     let columns = arguments.columns.map_or_else(|| columns(panels.len(), size.x / size.y), |n| n as usize);
     Ok(sheet(&panels, columns))
@@ -226,15 +226,15 @@ fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
         bail!(nothing_between(&run, from, until));
     }
     let measured = style.measured(&run)?;
-    let mut quantities: Vec<Shown> = Vec::new();
+    let mut quantities: Vec<DrawnValues> = Vec::new();
     for quantity in &arguments.series {
-        let shown = Shown::of(*quantity, &run, style.over)?;
+        let shown = DrawnValues::of(*quantity, &run, style.over)?;
         // Mean and peak may have become the same.
         if !quantities.iter().any(|known| known.quantity == shown.quantity) {
             quantities.push(shown);
         }
     }
-    let line = |place: usize, dashed: bool, points: &mut dyn Iterator<Item = (f64, f64)>| Line {
+    let line = |place: usize, dashed: bool, points: &mut dyn Iterator<Item = (f64, f64)>| Curve {
         name: run.ids[place].clone(),
         points: points.filter(|point| within(point.0)).collect(),
         group: place,
@@ -245,10 +245,10 @@ fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
             let frames = run.frames.iter().enumerate();
             line(place, false, &mut frames.map(|(k, frame)| (frame.time, shown.of_one(&run, k, place))))
         });
-        let mut lines: Vec<Line> = simulated.collect();
+        let mut lines: Vec<Curve> = simulated.collect();
         let axis: Option<fn(Vec2) -> f64> = match shown.quantity {
-            Quantity::X => Some(|at| at.x),
-            Quantity::Y => Some(|at| at.y),
+            DrawnQuantity::X => Some(|at| at.x),
+            DrawnQuantity::Y => Some(|at| at.y),
             _ => None,
         };
         if let (Some(measured), Some(axis)) = (&measured, axis) {
@@ -257,7 +257,7 @@ fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
                 line(place, true, &mut rows.map(|(time, at)| (*time, axis(*at))))
             }));
         }
-        let steps = shown.quantity == Quantity::Contacts;
+        let steps = shown.quantity == DrawnQuantity::Contacts;
         ChartPanel { y: titled(&shown.label(), shown.unit()), lines, steps }
     });
     let chart = Chart { x: "time (s)".to_owned(), panels: panels.collect(), noun: "agent".to_owned() };

@@ -6,12 +6,12 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 use lemons_core::plane::Motion;
 use lemons_picture::ColourMap;
-use lemons_results::measure::{Balance, MovingMeans, squeeze};
+use lemons_results::measure::{BalanceOverTime, MovingMeans, squeeze};
 use lemons_results::{Frame, OfStep, Run};
 
 /// A quantity of each agent at each time.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Quantity {
+pub enum DrawnQuantity {
     /// x of the centre of mass
     X,
     /// y of the centre of mass
@@ -39,28 +39,28 @@ pub enum Quantity {
     Fallen,
 }
 
-impl Quantity {
+impl DrawnQuantity {
     /// Name and unit.
     pub fn label(self) -> (&'static str, &'static str) {
         match self {
-            Quantity::X => ("x", "m"),
-            Quantity::Y => ("y", "m"),
-            Quantity::Speed => ("speed", "m/s"),
-            Quantity::Squeeze => ("mean squeeze", "N"),
-            Quantity::GreatestSqueeze => ("greatest mean squeeze", "N"),
-            Quantity::PeakSqueeze => ("peak squeeze", "N"),
-            Quantity::SqueezeAtTheTime => ("squeeze at the time", "N"),
-            Quantity::Contacts => ("contacts", ""),
-            Quantity::Lean => ("lean", "m"),
-            Quantity::Unbalanced => ("time unbalanced so far", "s"),
-            Quantity::Steps => ("steps so far", ""),
-            Quantity::Fallen => ("fallen", ""),
+            DrawnQuantity::X => ("x", "m"),
+            DrawnQuantity::Y => ("y", "m"),
+            DrawnQuantity::Speed => ("speed", "m/s"),
+            DrawnQuantity::Squeeze => ("mean squeeze", "N"),
+            DrawnQuantity::GreatestSqueeze => ("greatest mean squeeze", "N"),
+            DrawnQuantity::PeakSqueeze => ("peak squeeze", "N"),
+            DrawnQuantity::SqueezeAtTheTime => ("squeeze at the time", "N"),
+            DrawnQuantity::Contacts => ("contacts", ""),
+            DrawnQuantity::Lean => ("lean", "m"),
+            DrawnQuantity::Unbalanced => ("time unbalanced so far", "s"),
+            DrawnQuantity::Steps => ("steps so far", ""),
+            DrawnQuantity::Fallen => ("fallen", ""),
         }
     }
 
     /// Returns whether it is a mean over a time.
     pub fn is_mean(self) -> bool {
-        matches!(self, Quantity::Squeeze | Quantity::GreatestSqueeze)
+        matches!(self, DrawnQuantity::Squeeze | DrawnQuantity::GreatestSqueeze)
     }
 
     /// Returns whether it is a sum of normal forces.
@@ -70,23 +70,26 @@ impl Quantity {
 
     /// Returns whether it depends on all that was before.
     pub fn is_of_the_past(self) -> bool {
-        matches!(self, Quantity::GreatestSqueeze | Quantity::Unbalanced)
+        matches!(self, DrawnQuantity::GreatestSqueeze | DrawnQuantity::Unbalanced)
     }
 
     /// Returns whether only people who have legs have it.
     fn is_of_legs(self) -> bool {
-        matches!(self, Quantity::Lean | Quantity::Unbalanced | Quantity::Steps | Quantity::Fallen)
+        matches!(
+            self,
+            DrawnQuantity::Lean | DrawnQuantity::Unbalanced | DrawnQuantity::Steps | DrawnQuantity::Fallen
+        )
     }
 
     /// Returns whether contacts make it; else it is known of every run.
     pub fn is_of_contacts(self) -> bool {
-        !(matches!(self, Quantity::X | Quantity::Y | Quantity::Speed) || self.is_of_legs())
+        !(matches!(self, DrawnQuantity::X | DrawnQuantity::Y | DrawnQuantity::Speed) || self.is_of_legs())
     }
 
     /// Returns what can be shown of it: of a run that does not say what contacts did during its steps, the squeeze at
     /// the times, which is told.
-    fn known_of(self, run: &Run) -> Quantity {
-        let of_steps = self.is_mean() || self == Quantity::PeakSqueeze;
+    fn known_of(self, run: &Run) -> DrawnQuantity {
+        let of_steps = self.is_mean() || self == DrawnQuantity::PeakSqueeze;
         let mut observed = run.frames.iter().flat_map(|frame| frame.observed.iter().flatten());
         if !of_steps || observed.all(|seen| seen.of_step.is_some()) {
             return self;
@@ -96,25 +99,25 @@ impl Quantity {
             run.source.display(),
             self.label().0
         );
-        Quantity::SqueezeAtTheTime
+        DrawnQuantity::SqueezeAtTheTime
     }
 }
 
 /// A quantity of everybody in each frame of a run.
-pub struct Shown {
-    pub quantity: Quantity,
+pub struct DrawnValues {
+    pub quantity: DrawnQuantity,
     /// \[s\] What means are over; `None`: one communication step.
     over: Option<f64>,
     /// \[N\] or \[s\] Of each frame, where frames before it count.
     values: Option<Vec<Vec<f64>>>,
 }
 
-impl Shown {
+impl DrawnValues {
     /// Takes what can be shown of a quantity from a run.
     ///
     /// # Errors
     /// Means are over less than a communication step, people have no legs, or nothing is known of contacts.
-    pub fn of(quantity: Quantity, run: &Run, over: Option<f64>) -> Result<Shown> {
+    pub fn of(quantity: DrawnQuantity, run: &Run, over: Option<f64>) -> Result<DrawnValues> {
         if quantity.is_of_contacts() && run.frames.iter().any(|frame| frame.observed.is_none()) {
             let (source, (label, _)) = (run.source.display(), quantity.label());
             bail!(
@@ -138,21 +141,21 @@ impl Shown {
                  them; a Trial is run until --at or --until)"
             );
         }
-        let greatest = quantity == Quantity::GreatestSqueeze;
-        let values = if quantity == Quantity::Unbalanced {
+        let greatest = quantity == DrawnQuantity::GreatestSqueeze;
+        let values = if quantity == DrawnQuantity::Unbalanced {
             Some(unbalanced(run))
         } else {
             (over.is_some() || greatest).then(|| means(run, over, greatest))
         };
-        Ok(Shown { quantity, over, values })
+        Ok(DrawnValues { quantity, over, values })
     }
 
     pub fn label(&self) -> String {
         let (label, _) = self.quantity.label();
         let over = self.over.map_or("a step".to_owned(), |over| format!("{over} s"));
         match self.quantity {
-            Quantity::Squeeze => format!("{label} over {over}"),
-            Quantity::GreatestSqueeze => format!("{label} over {over} so far"),
+            DrawnQuantity::Squeeze => format!("{label} over {over}"),
+            DrawnQuantity::GreatestSqueeze => format!("{label} over {over} so far"),
             _ => label.to_owned(),
         }
     }
@@ -195,20 +198,20 @@ impl Shown {
         let of_step = |value: fn(&OfStep) -> f64| seen?.of_step.as_ref().map(value);
         let legs = frame.legs.as_ref().map(|all| &all[agent]);
         let known = match self.quantity {
-            Quantity::X => Some(motion.pose.position.x),
-            Quantity::Y => Some(motion.pose.position.y),
-            Quantity::Speed => Some(motion.twist.velocity.norm()),
-            Quantity::Squeeze | Quantity::GreatestSqueeze => of_step(|step| step.mean_normal_force),
-            Quantity::PeakSqueeze => of_step(|step| step.peak_normal_force),
-            Quantity::SqueezeAtTheTime => seen.map(|seen| seen.normal_force),
-            Quantity::Contacts => {
+            DrawnQuantity::X => Some(motion.pose.position.x),
+            DrawnQuantity::Y => Some(motion.pose.position.y),
+            DrawnQuantity::Speed => Some(motion.twist.velocity.norm()),
+            DrawnQuantity::Squeeze | DrawnQuantity::GreatestSqueeze => of_step(|step| step.mean_normal_force),
+            DrawnQuantity::PeakSqueeze => of_step(|step| step.peak_normal_force),
+            DrawnQuantity::SqueezeAtTheTime => seen.map(|seen| seen.normal_force),
+            DrawnQuantity::Contacts => {
                 seen.map(|seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts))
             }
-            Quantity::Lean => legs.map(|legs| (frame.agents[agent].pose.position - legs.feet).norm()),
-            Quantity::Steps => legs.map(|legs| legs.steps.into()),
-            Quantity::Fallen => legs.map(|legs| legs.fallen.into()),
+            DrawnQuantity::Lean => legs.map(|legs| (frame.agents[agent].pose.position - legs.feet).norm()),
+            DrawnQuantity::Steps => legs.map(|legs| legs.steps.into()),
+            DrawnQuantity::Fallen => legs.map(|legs| legs.fallen.into()),
             // Of the frames until then.
-            Quantity::Unbalanced => None,
+            DrawnQuantity::Unbalanced => None,
         };
         known.unwrap_or(f64::NAN)
     }
@@ -238,7 +241,7 @@ fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
 
 /// \[s\] Of each frame for how long everybody was unbalanced until then.
 fn unbalanced(run: &Run) -> Vec<Vec<f64>> {
-    let mut balance = Balance::of(run.ids.len());
+    let mut balance = BalanceOverTime::of(run.ids.len());
     let until = |frame: &Frame| {
         balance.add(frame);
         balance.seen().iter().map(|one| one.time_unbalanced).collect()
@@ -254,14 +257,14 @@ pub fn longest_gap(run: &Run) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_results::columns::{ALL, Row};
-    use lemons_results::measure::Exposure;
+    use lemons_results::columns::{ALL, AgentRow};
+    use lemons_results::measure::SqueezeOverTime;
     use std::path::PathBuf;
 
     /// Two people for three seconds, in steps of 0.1 s. The second one leaves after two.
     fn run() -> Run {
         let row = |mean: f64, there: bool| {
-            let mut row = Row::default();
+            let mut row = AgentRow::default();
             (row[10], row[11], row[14]) = (mean, mean, there.into());
             row
         };
@@ -279,9 +282,9 @@ mod tests {
     #[test]
     fn the_greatest_mean_so_far_is_that_of_an_exposure() {
         let run = run();
-        let shown = Shown::of(Quantity::GreatestSqueeze, &run, Some(1.0)).unwrap();
+        let shown = DrawnValues::of(DrawnQuantity::GreatestSqueeze, &run, Some(1.0)).unwrap();
         for end in 0..run.frames.len() {
-            let mut exposure = Exposure::new(2, &[], None);
+            let mut exposure = SqueezeOverTime::new(2, &[], None);
             for frame in &run.frames[..=end] {
                 exposure.see(frame, None);
             }
@@ -294,6 +297,6 @@ mod tests {
             }
         }
         assert_eq!(shown.label(), "greatest mean squeeze over 1 s so far");
-        assert!(Shown::of(Quantity::Squeeze, &run, Some(0.05)).is_err(), "shorter than a step");
+        assert!(DrawnValues::of(DrawnQuantity::Squeeze, &run, Some(0.05)).is_err(), "shorter than a step");
     }
 }

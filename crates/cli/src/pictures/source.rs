@@ -4,14 +4,14 @@ use super::trial_run::{Bodies, TrialRun};
 use crate::error::Misused;
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::record::{InMemory, expect_table, recorded, trial_of};
-use crate::run::{Inputs, Job, Target, name_and_value, not_set, simulate};
+use crate::run::{Inputs, RowTarget, RunJob, name_and_value, not_set, simulate};
 use crate::trajectories::TrajectoryArguments;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
 use lemons_decision::Plan;
-use lemons_master::{PlanChoice, Settings, TrialInput, plan_of};
+use lemons_master::{PlanChoice, RunSettings, TrialInput, plan_of};
 pub use lemons_results::KeptFrames;
 use lemons_results::{Frame, Record, Run};
 use lemons_sim::{Algorithm, Clock, Documents, Simulation, Until};
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 #[derive(clap::Args)]
-pub struct Source {
+pub struct RunSource {
     /// A Trial or an FMU, which is simulated first, as by lemons run; or the results of an earlier run:
     /// its table, or an OutputDirectory of XML files; or trajectories of an experiment or of another
     /// simulator: JuPedSim's SQLite, text as PedPy reads it, or tables of SUMO, Vadere, Viswalk, Pathfinder
@@ -63,7 +63,7 @@ pub struct Opened {
     pub bodies: Bodies,
 }
 
-impl Source {
+impl RunSource {
     /// Takes what it names from memory, or from a database.
     pub fn hold(&mut self, run: Option<Arc<InMemory>>, database: Option<PathBuf>) {
         (self.memory, self.others.reading.database) = (run, database);
@@ -241,13 +241,13 @@ impl Source {
 
     /// Runs it as `lemons run` does, in memory.
     fn record(&self, until: Until, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Run> {
-        let settings = Settings {
+        let settings = RunSettings {
             until: Some(until.latest()),
             parameters: self.settings.clone(),
             ..self.inputs.settings(&self.path)
         };
-        let rows = Target::Memory(wanted);
-        let job = Job { settings, rows, outputs: None, state: None, until: Some(until) };
+        let rows = RowTarget::Memory(wanted);
+        let job = RunJob { settings, rows, outputs: None, state: None, until: Some(until) };
         let ended = simulate(job, interrupt)?;
         ended.complete?;
         if ended.stopped.is_some() {

@@ -1,7 +1,7 @@
 //! The style of scenes: options that `lemons plot` and `lemons movie` share, and the scenes of a run in it.
 
-use super::measured::{Measured, Origin};
-use super::quantity::{Quantity, Shown, longest_gap};
+use super::measured::{CoordinateOrigin, MeasuredPaths};
+use super::quantity::{DrawnQuantity, DrawnValues, longest_gap};
 use super::trial_run::{Bodies, CrowdState, TrialRun};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
@@ -10,7 +10,9 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 use crowd_mechanics::engine::PairForce;
 use lemons_core::plane::{Vec2, vec2};
-use lemons_picture::{Bounds, Colour, Fill, Force, Scene, Style, Theme, Trail, Values, ids_without_room};
+use lemons_picture::{
+    Bounds, Colour, DrawnForce, Fill, PictureScene, Style, Theme, Trail, Values, ids_without_room,
+};
 use lemons_results::{Observed, Run};
 use lemons_sim::Replay;
 use std::path::PathBuf;
@@ -59,7 +61,7 @@ pub struct StyleArguments {
     measured: Option<PathBuf>,
     /// Meaning of x and y of the measured trajectories
     #[arg(long, value_name = "ORIGIN", default_value = "plane", requires = "measured")]
-    measured_from: Origin,
+    measured_from: CoordinateOrigin,
     /// Draw the agents' Ids on the bodies
     #[arg(long)]
     ids: bool,
@@ -83,7 +85,7 @@ pub struct StyleArguments {
 /// Meaning of the colour of a body.
 #[derive(Clone)]
 pub enum Filling {
-    Of(Quantity),
+    Of(DrawnQuantity),
     Other(Fill),
 }
 
@@ -96,8 +98,8 @@ fn filling(text: &str) -> Result<Filling, String> {
     if let Some(colour) = colour(text) {
         return Ok(Filling::Other(Fill::Single(colour)));
     }
-    match Quantity::from_str(text, false) {
-        Ok(quantity) if !matches!(quantity, Quantity::X | Quantity::Y) => Ok(Filling::Of(quantity)),
+    match DrawnQuantity::from_str(text, false) {
+        Ok(quantity) if !matches!(quantity, DrawnQuantity::X | DrawnQuantity::Y) => Ok(Filling::Of(quantity)),
         _ => Err("must be area, kind, speed, contacts, squeeze, greatest-squeeze, peak-squeeze, lean, unbalanced, steps, fallen or a \
                 colour as in #8cb4de"
             .into()),
@@ -128,15 +130,15 @@ fn view(text: &str) -> Result<Bounds, String> {
 pub struct Scenes<'r> {
     arguments: &'r StyleArguments,
     run: &'r TrialRun,
-    measured: Option<Measured>,
+    measured: Option<MeasuredPaths>,
     /// If forces are shown.
     replay: Option<Replay<'r>>,
     /// A scene without poses, trails and forces.
-    scene: Scene<'r>,
+    scene: PictureScene<'r>,
     /// A style without values and time.
     style: Style,
     /// The quantity that colours show, unless they are of areas or a single one.
-    shown: Option<Shown>,
+    shown: Option<DrawnValues>,
     /// True if it was told that the run had other parameters than the Trial.
     told: bool,
 }
@@ -167,14 +169,16 @@ impl StyleArguments {
 
     /// Returns whether scenes depend on all that was before.
     pub fn needs_all(&self) -> bool {
-        self.shows_trails() || self.over.is_some() || self.quantity().is_some_and(Quantity::is_of_the_past)
+        self.shows_trails()
+            || self.over.is_some()
+            || self.quantity().is_some_and(DrawnQuantity::is_of_the_past)
     }
 
     /// Says so if colours are of single steps, and those between two pictures of a movie \[s\] are not shown.
     pub fn note_sampled(&self, run: &Run, between: f64) {
         let of_step = match self.quantity() {
-            Some(Quantity::Squeeze) => self.over.is_none(),
-            quantity => quantity == Some(Quantity::PeakSqueeze),
+            Some(DrawnQuantity::Squeeze) => self.over.is_none(),
+            quantity => quantity == Some(DrawnQuantity::PeakSqueeze),
         };
         let longest = longest_gap(run);
         if of_step && longest > 0.0 && between > 1.5 * longest {
@@ -186,12 +190,12 @@ impl StyleArguments {
     }
 
     /// Returns the quantity that colours show, if they do.
-    fn quantity(&self) -> Option<Quantity> {
+    fn quantity(&self) -> Option<DrawnQuantity> {
         if let Filling::Of(quantity) = self.fill { Some(quantity) } else { None }
     }
 
     /// Checks that means over a time are shown where they are asked for: as colours, or in `series`.
-    pub fn check(&self, series: &[Quantity]) -> Result<()> {
+    pub fn check(&self, series: &[DrawnQuantity]) -> Result<()> {
         let colours = self.quantity();
         if self.over.is_some() && !series.iter().chain(&colours).any(|quantity| quantity.is_mean()) {
             bail!(Misused(
@@ -202,8 +206,8 @@ impl StyleArguments {
     }
 
     /// Reads the measured trajectories that are drawn beside a run.
-    pub fn measured(&self, run: &Run) -> Result<Option<Measured>> {
-        let placed = |path: &PathBuf| Measured::read(path)?.placed(self.measured_from, run);
+    pub fn measured(&self, run: &Run) -> Result<Option<MeasuredPaths>> {
+        let placed = |path: &PathBuf| MeasuredPaths::read(path)?.placed(self.measured_from, run);
         self.measured.as_ref().map(placed).transpose()
     }
 }
@@ -222,13 +226,14 @@ impl<'r> Scenes<'r> {
                 run.run.source.display()
             );
         }
-        let shown = arguments.quantity().map(|of| Shown::of(of, &run.run, arguments.over)).transpose()?;
+        let shown =
+            arguments.quantity().map(|of| DrawnValues::of(of, &run.run, arguments.over)).transpose()?;
         let mut scenes = Scenes {
             arguments,
             run,
             measured: arguments.measured(&run.run)?,
             replay: arguments.forces.then(|| Replay::new(&run.trial)).transpose()?,
-            scene: Scene::at_start(&run.trial),
+            scene: PictureScene::at_start(&run.trial),
             style: Style::default(),
             shown,
             told: false,
@@ -294,7 +299,7 @@ impl<'r> Scenes<'r> {
     }
 
     /// Returns the scene at a time \[s\], and its style.
-    pub fn at(&mut self, time: f64) -> (Scene<'r>, Style) {
+    pub fn at(&mut self, time: f64) -> (PictureScene<'r>, Style) {
         let (run, length) = (self.run, self.arguments.trails.unwrap_or(f64::INFINITY));
         let state = &run.at(time);
         let mut scene = self.scene.clone();
@@ -310,7 +315,7 @@ impl<'r> Scenes<'r> {
 
     /// Returns the normal forces at the nearest frame: for each two that touch, their contacts together, from body to body;
     /// for each wall, from the body to where it touches.
-    fn forces(&mut self, state: &CrowdState) -> Vec<Force> {
+    fn forces(&mut self, state: &CrowdState) -> Vec<DrawnForce> {
         let Some(replay) = &mut self.replay else { return Vec::new() };
         // No run of this Trial has too many in one place.
         let put = replay.put(state.frame).is_ok();
@@ -326,7 +331,7 @@ impl<'r> Scenes<'r> {
         if !put {
             return Vec::new();
         }
-        let force = |PairForce { from, to, normal_force }| Force { from, to, normal_force };
+        let force = |PairForce { from, to, normal_force }| DrawnForce { from, to, normal_force };
         replay.forces(&state.poses()).into_iter().map(force).collect()
     }
 

@@ -1,11 +1,11 @@
 //! `lemons run --accuracy`: two runs, with a mechanical step for the accuracy and with half of it.
 
-use super::job::{Ended, Job, simulate};
-use super::recorder::{Poses, Target};
+use super::job::{EndedRun, RunJob, simulate};
+use super::recorder::{Poses, RowTarget};
 use crate::error::Misused;
 use crate::interrupt::{Interrupt, Interrupted};
 use anyhow::{Result, bail};
-use lemons_master::Settings;
+use lemons_master::RunSettings;
 use lemons_results::KeptFrames;
 
 /// The parameter that is chosen.
@@ -45,7 +45,7 @@ impl Difference {
 }
 
 /// Runs for an accuracy \[m\]: the results are those of the finer run.
-pub fn run_for(accuracy: f64, job: Job, interrupt: &Interrupt) -> Result<Ended> {
+pub fn run_for(accuracy: f64, job: RunJob, interrupt: &Interrupt) -> Result<EndedRun> {
     let named = |name: &str, what: &str| name == what || name.ends_with(&format!(".{what}"));
     if let Some((name, value)) = job.settings.parameters.iter().find(|(name, _)| named(name, STEP)) {
         bail!(Misused(format!("--set {name}={value}: --accuracy chooses the mechanical step")));
@@ -53,19 +53,20 @@ pub fn run_for(accuracy: f64, job: Job, interrupt: &Interrupt) -> Result<Ended> 
     let mut parameters = job.settings.parameters.clone();
     // XML is written by the finer run only.
     parameters.retain(|(name, _)| !named(name, "OutputDirectory"));
-    let settings = Settings { parameters, tolerance: Some(accuracy), saves: false, ..job.settings.clone() };
-    let rows = Target::Memory(KeptFrames::Around(Vec::new()));
-    let first = Job { settings, rows, outputs: None, state: None, until: job.until };
+    let settings =
+        RunSettings { parameters, tolerance: Some(accuracy), saves: false, ..job.settings.clone() };
+    let rows = RowTarget::Memory(KeptFrames::Around(Vec::new()));
+    let first = RunJob { settings, rows, outputs: None, state: None, until: job.until };
     let coarse = simulate(first, interrupt)?;
     if let Some(time) = coarse.stopped {
         let stopped = format!("stopped at t = {time:?} s of the first of two runs; nothing is written");
         return Err(Interrupted(stopped).into());
     }
-    let Ended { poses, mechanical_steps: chosen, step, .. } = coarse;
-    let mut settings = Settings { tolerance: Some(accuracy), ..job.settings.clone() };
+    let EndedRun { poses, mechanical_steps: chosen, step, .. } = coarse;
+    let mut settings = RunSettings { tolerance: Some(accuracy), ..job.settings.clone() };
     let halves: Chosen = chosen.iter().map(|(name, longest)| (name.clone(), half(step, *longest))).collect();
     settings.parameters.extend(halves.iter().map(|(name, half)| (name.clone(), format!("{half:?}"))));
-    let mut fine = simulate(Job { settings, ..job }, interrupt)?;
+    let mut fine = simulate(RunJob { settings, ..job }, interrupt)?;
     fine.summary.extend(report(accuracy, &chosen, &halves, &fine.poses, &poses));
     Ok(fine)
 }

@@ -1,21 +1,21 @@
 //! A run of an FMU, or of FMUs that an SSP couples: frames of its crowds, from the outputs of their FMUs.
 
-use super::model::{CrowdInfo, Prepared, RecordedModel};
+use super::model::{CrowdInfo, PreparedRun, RecordedModel};
 use super::outputs::OutputValues;
 use anyhow::{Error, Result, anyhow};
 use crowd_mechanics::quantities::segments;
 use lemons_core::trial::Trial;
-use lemons_master::ssp::{Interface, Kind as Causality, Type, Variable};
-use lemons_master::{Component, Selection, Settings, System, plan_in};
+use lemons_master::ssp::{Causality, FmiType, FmuVariable, Interface};
+use lemons_master::{RunSettings, System, SystemComponent, ValueSelection, plan_in};
 use lemons_results::columns::{self, Column, Group, Groups};
 use lemons_results::{CellType, Frame, OfWall};
 use lemons_sim::RunModel;
 
 struct FmuRun {
-    run: lemons_master::Prepared,
+    run: lemons_master::PreparedSystem,
     crowds: Vec<Reader>,
     /// The outputs of other components, by their places: numbers and texts.
-    outputs: Vec<(usize, Selection, Selection)>,
+    outputs: Vec<(usize, ValueSelection, ValueSelection)>,
 }
 
 /// Reads the frames of a crowd from the outputs of its FMU.
@@ -24,9 +24,9 @@ struct Reader {
     place: usize,
     agents: usize,
     groups: Groups,
-    values: Selection,
+    values: ValueSelection,
     /// Means and peaks of the pieces of walls.
-    walls: Option<[Selection; 2]>,
+    walls: Option<[ValueSelection; 2]>,
 }
 
 /// Parameters that are chosen before initialization.
@@ -36,8 +36,8 @@ const DIRECTORY: &str = "OutputDirectory";
 const WALL_FORCES: [&str; 2] = ["MeanNormalForce", "PeakNormalForce"];
 
 /// Prepares a run of an FMU or an SSP. Warnings are printed.
-pub fn prepare(settings: &Settings) -> Result<Prepared> {
-    let mut run = lemons_master::Prepared::of(settings)?;
+pub fn prepare(settings: &RunSettings) -> Result<PreparedRun> {
+    let mut run = lemons_master::PreparedSystem::of(settings)?;
     run.warnings.iter().for_each(|warning| note!("{warning}"));
     let (system, trials) = (&run.system, std::mem::take(&mut run.trials));
     let (mut readers, mut crowds) = (Vec::new(), Vec::new());
@@ -73,7 +73,7 @@ pub fn prepare(settings: &Settings) -> Result<Prepared> {
     let (count, connections, algorithm) = (system.components.len(), system.connections, system.algorithm);
     let parts =
         format!("components         {count:>10}     ({algorithm} algorithm, {connections} connections)");
-    Ok(Prepared {
+    Ok(PreparedRun {
         crowds,
         output_columns,
         plans: system.components.iter().filter_map(|component| plan_in(&component.fmu)).collect(),
@@ -189,12 +189,12 @@ impl Reader {
 }
 
 /// The name of a variable of an agent.
-fn of_agent(i: usize, quantity: &columns::Quantity) -> String {
+fn of_agent(i: usize, quantity: &columns::RecordedQuantity) -> String {
     format!("agent[{i}].{}", quantity.variable)
 }
 
 /// Returns whether an FMU has this output, with the type of the quantity.
-fn is_output(description: &Interface, name: &str, quantity: &columns::Quantity) -> bool {
+fn is_output(description: &Interface, name: &str, quantity: &columns::RecordedQuantity) -> bool {
     description.single(name).is_some_and(|single| {
         let variable = single.variable;
         cell_type(variable) == Some(quantity.kind()) && variable.kind == Some(Causality::Output)
@@ -202,12 +202,12 @@ fn is_output(description: &Interface, name: &str, quantity: &columns::Quantity) 
 }
 
 /// Returns the type of a variable's values in a table, which has no place for binary values and clocks.
-fn cell_type(variable: &Variable) -> Option<CellType> {
+fn cell_type(variable: &FmuVariable) -> Option<CellType> {
     match variable.of.class() {
-        Type::Real => Some(CellType::Real),
-        Type::Boolean => Some(CellType::Boolean),
-        Type::String => Some(CellType::Text),
-        Type::Binary | Type::Clock => None,
+        FmiType::Real => Some(CellType::Real),
+        FmiType::Boolean => Some(CellType::Boolean),
+        FmiType::String => Some(CellType::Text),
+        FmiType::Binary | FmiType::Clock => None,
         _ => Some(CellType::Integer),
     }
 }
@@ -226,7 +226,9 @@ fn may_leave(system: &System, place: usize, agents: usize) -> Result<bool> {
     let names: Vec<String> = (0..agents).flat_map(|i| active().map(move |of| of_agent(i, of))).collect();
     let is_input = |name: &String| {
         let found = component.fmu.description.single(name).map(|single| single.variable);
-        found.is_some_and(|variable| variable.of == Type::Boolean && variable.kind == Some(Causality::Input))
+        found.is_some_and(|variable| {
+            variable.of == FmiType::Boolean && variable.kind == Some(Causality::Input)
+        })
     };
     if !names.iter().all(is_input) {
         return Ok(false);
@@ -250,7 +252,7 @@ fn columns_of(description: &Interface, groups: Groups) -> Vec<Column> {
 }
 
 /// The columns of the outputs of what is not a crowd; the variables of the columns are the names of the values.
-fn output_columns_of(component: &Component) -> Vec<Column> {
+fn output_columns_of(component: &SystemComponent) -> Vec<Column> {
     let singles = component.fmu.description.singles();
     let outputs = singles.filter(|(_, single)| single.variable.kind == Some(Causality::Output));
     let columns = outputs.filter_map(|(name, single)| {

@@ -1,8 +1,8 @@
 //! One run: prepared, stepped, recorded, and what is said of it.
 
-use super::model::{CrowdInfo, Prepared, RecordedModel};
-use super::outputs::{About, OutputTable, Place};
-use super::recorder::{CrowdRecorder, Poses, Recorded, Target};
+use super::model::{CrowdInfo, PreparedRun, RecordedModel};
+use super::outputs::{About, OutputTable, TableFile};
+use super::recorder::{CrowdRecorder, Poses, Recorded, RowTarget};
 use super::{fmus, trial};
 use crate::connect::plain_names;
 use crate::error::{and_then, full_message};
@@ -13,7 +13,7 @@ use crate::version::BUILD;
 use anyhow::{Context, Error, Result, bail};
 use indicatif::ProgressBar;
 use lemons_decision::Plan;
-use lemons_master::{FileType, Saved, Settings, TrialInput, writers};
+use lemons_master::{FileType, RunSettings, SavedRun, TrialInput, writers};
 use lemons_results::measure::{Leaving, WAITING, Wait};
 use lemons_results::{Frame, Run};
 use lemons_sim::lint::late_legs;
@@ -23,13 +23,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// A run, and what becomes of it.
-pub struct Job {
+pub struct RunJob {
     /// With a tolerance, the poses of all communication points are kept.
-    pub settings: Settings,
+    pub settings: RunSettings,
     /// Where rows of crowds go.
-    pub rows: Target,
+    pub rows: RowTarget,
     /// Where the outputs of what is not a crowd go, if they are recorded.
-    pub outputs: Option<Place>,
+    pub outputs: Option<TableFile>,
     /// Where it is saved.
     pub state: Option<PathBuf>,
     /// When it ends, if not at the time of the settings.
@@ -37,7 +37,7 @@ pub struct Job {
 }
 
 /// The result of a run.
-pub struct Ended {
+pub struct EndedRun {
     /// Of a run with a tolerance: the poses of each crowd, and the mechanical steps \[s\].
     pub poses: Vec<Poses>,
     pub mechanical_steps: Vec<(String, f64)>,
@@ -54,7 +54,7 @@ pub struct Ended {
 }
 
 /// Prepares a run of a Trial, an FMU or an SSP.
-fn prepare(settings: &Settings) -> Result<Prepared> {
+fn prepare(settings: &RunSettings) -> Result<PreparedRun> {
     let runs = [FileType::TRIAL, FileType::FMU, FileType::SSP, FileType::ARCHIVE];
     FileType::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
     match TrialInput::find(&settings.input)? {
@@ -64,10 +64,10 @@ fn prepare(settings: &Settings) -> Result<Prepared> {
 }
 
 /// Runs and records; warnings go to standard error. Ctrl-C ends the run after the step under way.
-pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
-    let Job { settings, rows, outputs, state, until } = job;
+pub fn simulate(job: RunJob, interrupt: &Interrupt) -> Result<EndedRun> {
+    let RunJob { settings, rows, outputs, state, until } = job;
     let compared = settings.tolerance.is_some();
-    let Prepared {
+    let PreparedRun {
         mut model,
         crowds,
         output_columns,
@@ -156,8 +156,8 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         (Ok(()), Some((file, path))) => {
             let states = model.states()?;
             let crowd = recorders.iter().map(CrowdRecorder::record).collect();
-            let saved = Saved {
-                format: Saved::FORMAT,
+            let saved = SavedRun {
+                format: SavedRun::FORMAT,
                 lemons,
                 start: clock.start,
                 step: clock.step,
@@ -226,7 +226,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         Err(error) => complete = and_then(complete, Err(error)),
     }
     let stopped = (!over).then_some(time);
-    Ok(Ended { poses, mechanical_steps, step: clock.step, summary, stopped, recorded, complete })
+    Ok(EndedRun { poses, mechanical_steps, step: clock.step, summary, stopped, recorded, complete })
 }
 
 /// A crowd writes XML files of its own into its OutputDirectory: those of an earlier run must not be among them.

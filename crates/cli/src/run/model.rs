@@ -5,7 +5,7 @@ use anyhow::{Error, Result};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::Plan;
-use lemons_master::{ComponentRecord, Saved};
+use lemons_master::{ComponentRecord, SavedRun};
 use lemons_results::columns::{Column, Groups};
 use lemons_sim::{Clock, RunModel};
 
@@ -46,7 +46,7 @@ pub trait RecordedModel: RunModel<Error = Error> {
 }
 
 /// A run that is ready: at its first communication point, or at that of the saved run.
-pub struct Prepared {
+pub struct PreparedRun {
     pub model: Box<dyn RecordedModel>,
     pub crowds: Vec<CrowdInfo>,
     /// Columns of the outputs of components that are no crowds.
@@ -67,5 +67,5 @@ pub struct Prepared {
     pub components: Vec<ComponentRecord>,
     pub wiring: String,
     /// The saved run that goes on.
-    pub before: Option<Saved>,
+    pub before: Option<SavedRun>,
 }

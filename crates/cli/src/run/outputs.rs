@@ -5,7 +5,7 @@ use crate::print::few;
 use anyhow::Result;
 use lemons_core::files::{Staged, WriteError};
 use lemons_results::columns::Column;
-use lemons_results::{Cell, CellType, Content, Format, RecordError, TableWriter};
+use lemons_results::{Cell, CellType, RecordError, TableContent, TableFormat, TableWriter};
 use std::path::{Path, PathBuf};
 
 /// What tables say of a run.
@@ -17,15 +17,15 @@ pub struct About {
 
 /// Where a table goes.
 #[derive(Clone)]
-pub struct Place {
+pub struct TableFile {
     pub path: PathBuf,
-    pub format: Format,
+    pub format: TableFormat,
 }
 
-impl Place {
+impl TableFile {
     /// Begins a table, which appears under its name only when it is complete. That of a run which goes on replaces
     /// none: it may be that of the run before.
-    pub fn begin(&self, content: &Content, about: &About) -> Result<TableWriter<Staged>> {
+    pub fn begin(&self, content: &TableContent, about: &About) -> Result<TableWriter<Staged>> {
         let file = files::stage_new(&self.path, about.goes_on)?;
         Ok(TableWriter::create(file, &self.path, self.format, content)?)
     }
@@ -51,11 +51,11 @@ pub struct OutputTable {
 
 impl OutputTable {
     /// Begins a table with these columns after the time.
-    pub fn create(columns: Vec<Column>, to: &Place, about: &About) -> Result<OutputTable> {
+    pub fn create(columns: Vec<Column>, to: &TableFile, about: &About) -> Result<OutputTable> {
         let kinds = columns.iter().map(|column| column.kind).collect();
         let names = columns.iter().map(|column| Some(column.name.clone())).collect();
         let columns = std::iter::once(Column::time()).chain(columns).collect();
-        let table = to.begin(&Content { columns, about: about.lines.clone() }, about)?;
+        let table = to.begin(&TableContent { columns, about: about.lines.clone() }, about)?;
         Ok(OutputTable { table, kinds, names, odd: Vec::new() })
     }
 

@@ -1,37 +1,37 @@
 //! The record of a crowd in a run: its table or frames in memory, its extremes.
 
 use super::model::CrowdInfo;
-use super::outputs::{About, Place, persist};
+use super::outputs::{About, TableFile, persist};
 use crate::files;
 use anyhow::{Result, bail};
 use lemons_core::files::Staged;
 use lemons_core::plane::Pose;
 use lemons_core::trial::Agent;
-use lemons_master::{CrowdRecord, Saved};
-use lemons_results::{Content, Format, Frame, FrameWriter, KeptFrames, Recorder, Run};
+use lemons_master::{CrowdRecord, SavedRun};
+use lemons_results::{Frame, FrameWriter, KeptFrames, Recorder, Run, TableContent, TableFormat};
 use lemons_sim::lint::RunEnd;
 use lemons_sim::{ExposureSum, Extremes, Greatest, PointKind};
 use std::path::{Path, PathBuf};
 
 /// Where the rows of a crowd go.
 #[derive(Clone)]
-pub enum Target {
-    Table(Place),
+pub enum RowTarget {
+    Table(TableFile),
     /// Those that are wanted.
     Memory(KeptFrames),
 }
 
-impl Target {
+impl RowTarget {
     /// The same for one of several crowds: `dir/file.csv` -> `dir/file_name.csv`.
-    pub fn named(&self, name: &str) -> Result<Target> {
-        let Target::Table(Place { path, format }) = self else { return Ok(self.clone()) };
+    pub fn named(&self, name: &str) -> Result<RowTarget> {
+        let RowTarget::Table(TableFile { path, format }) = self else { return Ok(self.clone()) };
         if files::is_standard_output(path) {
             bail!("-o -: several crowds do not go to standard output together: -o FILE");
         }
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let end = path.extension().map(|end| format!(".{}", end.to_string_lossy())).unwrap_or_default();
         let path = path.with_file_name(format!("{stem}_{name}{end}"));
-        Ok(Target::Table(Place { path, format: *format }))
+        Ok(RowTarget::Table(TableFile { path, format: *format }))
     }
 }
 
@@ -87,9 +87,9 @@ pub struct Recorded {
 impl CrowdRecorder {
     pub fn create(
         crowd: CrowdInfo,
-        to: Target,
+        to: RowTarget,
         about: &About,
-        before: Option<&Saved>,
+        before: Option<&SavedRun>,
         keeps_poses: bool,
     ) -> Result<CrowdRecorder> {
         let CrowdInfo { ids, component, groups, .. } = &crowd;
@@ -107,7 +107,7 @@ impl CrowdRecorder {
             bail!("the saved run is damaged: it contains other agents than component {component:?} has");
         }
         let rows = match to {
-            Target::Table(place) => {
+            RowTarget::Table(place) => {
                 let own = [
                     ("component", component.clone()),
                     ("model_name", crowd.model_name.clone()),
@@ -115,11 +115,11 @@ impl CrowdRecorder {
                 ];
                 let trial = crowd.trial.iter().map(|trial| ("trial", trial.name.clone()));
                 let lines = about.lines.iter().cloned().chain(trial).chain(own).collect();
-                let content = Content { columns: crowd.columns.clone(), about: lines };
+                let content = TableContent { columns: crowd.columns.clone(), about: lines };
                 let table = place.begin(&content, about)?;
                 Rows::Table(Box::new(FrameWriter::new(table, ids.clone(), *groups)), place.path)
             }
-            Target::Memory(wanted) => Rows::Memory(Recorder::new(wanted)),
+            RowTarget::Memory(wanted) => Rows::Memory(Recorder::new(wanted)),
         };
         let rim = |agent: &Agent| {
             agent.shapes.iter().map(|shape| shape.position.norm() + shape.radius).fold(0.0, f64::max)
@@ -225,7 +225,7 @@ const LARGE: u64 = 5_000_000;
 /// A remark on a large table of text.
 fn large(path: &Path) -> String {
     match path.metadata() {
-        Ok(file) if file.len() > LARGE && Format::of(path) == Some(Format::Csv) => {
+        Ok(file) if file.len() > LARGE && TableFormat::of(path) == Some(TableFormat::Csv) => {
             format!("   ({} MB; smaller with --format parquet, or --every)", file.len() / 1_000_000)
         }
         _ => String::new(),

@@ -1,19 +1,19 @@
 //! A run of a Trial in memory.
 
-use super::model::{CrowdInfo, Prepared, RecordedModel};
+use super::model::{CrowdInfo, PreparedRun, RecordedModel};
 use super::outputs::OutputValues;
 use anyhow::{Context, Error, Result, anyhow, bail};
 use crowd_mechanics::engine::Wrench;
 use crowd_mechanics::model_description::MODEL_NAME;
-use crowd_mechanics::quantities::{Quantity, guid};
+use crowd_mechanics::quantities::{CrowdQuantity, guid};
 use lemons_core::plane::{Twist, Vec2};
 use lemons_decision::DECISION_FILE;
-use lemons_fmi::variables::{Kind as VariableKind, Scalar};
-use lemons_master::{ComponentRecord, Settings, TrialInput, notes};
+use lemons_fmi::variables::{Scalar, VariableType as VariableKind};
+use lemons_master::{ComponentRecord, RunSettings, TrialInput, notes};
 use lemons_results::columns::{ALL, Column, Groups};
 use lemons_results::{CellType, Frame};
 use lemons_sim::lint::{self, Files};
-use lemons_sim::settings::{CROWD, DECISION, Selection};
+use lemons_sim::settings::{CROWD, DECISION, VariableSelection};
 use lemons_sim::{RunModel, SimError, Simulation};
 
 /// Name of the component in a saved run of people who walk.
@@ -22,7 +22,7 @@ const WALKERS: &str = "crowd and decision";
 struct TrialRun {
     simulation: Simulation,
     /// The outputs of Decision.
-    outputs: Selection,
+    outputs: VariableSelection,
 }
 
 /// The columns of the outputs of Decision.
@@ -79,7 +79,7 @@ impl RecordedModel for TrialRun {
 }
 
 /// Prepares a run of a Trial. Warnings are printed.
-pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
+pub fn prepare(given: &TrialInput, settings: &RunSettings) -> Result<PreparedRun> {
     let saved = settings.saved()?;
     let (documents, mut problems, plan) = given.documents(&settings.drive, &settings.plan)?;
     let files = Files::chosen(given.path(), &settings.drive, plan.as_deref());
@@ -150,13 +150,13 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
     let step_name = if walking.is_some() { "crowd.TimeStepMechanical" } else { "TimeStepMechanical" };
     let mechanical = simulation.trial().parameters.time_step_mechanical;
     let parts = |_| format!("people walk        ({} algorithm)", settings.algorithm);
-    Ok(Prepared {
+    Ok(PreparedRun {
         crowds: vec![crowd],
         output_columns,
         coupling: walking.iter().map(parts).collect(),
         plans: walking.into_iter().collect(),
         mechanical_steps: vec![(step_name.into(), mechanical)],
-        output_directories: vec![simulation.text(Quantity::OutputDirectory).to_owned()],
+        output_directories: vec![simulation.text(CrowdQuantity::OutputDirectory).to_owned()],
         clock,
         every,
         drive,

@@ -43,14 +43,14 @@ pub fn names(at: &Path) -> Vec<String> {
 }
 
 /// A row of a table: its cells by the names of the columns.
-pub type Row = HashMap<String, String>;
+pub type NamedCells = HashMap<String, String>;
 
-pub fn read_csv(path: &Path) -> Vec<Row> {
+pub fn read_csv(path: &Path) -> Vec<NamedCells> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
     reader.deserialize().map(|row| row.unwrap()).collect()
 }
 
-pub fn number(row: &Row, name: &str) -> f64 {
+pub fn number(row: &NamedCells, name: &str) -> f64 {
     row[name].parse().unwrap_or_else(|_| panic!("{name}: {row:?}"))
 }
 

@@ -1,11 +1,11 @@
 //! People who leave.
 
-use crate::common::{Row, done, number, read_csv};
+use crate::common::{NamedCells, done, number, read_csv};
 use std::collections::BTreeMap;
 use tempfile::TempDir;
 
 /// Times \[s\] at which people have left, sorted: by the exit on the left of a place, and on the right of it.
-fn departures(table: &[Row], middle: f64) -> [Vec<f64>; 2] {
+fn departures(table: &[NamedCells], middle: f64) -> [Vec<f64>; 2] {
     let mut last: BTreeMap<&str, (f64, bool)> = BTreeMap::new();
     for row in table.iter().filter(|row| row["active"] == "1") {
         last.insert(&row["id"], (number(row, "t"), number(row, "x") > middle));

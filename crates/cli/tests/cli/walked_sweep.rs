@@ -1,6 +1,6 @@
 //! `lemons sweep` of people who walk: its points are the runs of `lemons run TRIAL`.
 
-use crate::common::{Row, assert_code, copy_tree, done, err, lemons, number, read_csv, root};
+use crate::common::{NamedCells, assert_code, copy_tree, done, err, lemons, number, read_csv, root};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -180,9 +180,9 @@ fn a_point_is_what_a_run_of_its_trial_is() {
         let end = arrived(2.0).expect("two arrive within 4 s");
         let until = number(end, "t");
         let poses = read_csv(&at.join("trajectories.csv"));
-        let poses: Vec<&Row> = poses.iter().filter(|row| number(row, "t") <= until).collect();
+        let poses: Vec<&NamedCells> = poses.iter().filter(|row| number(row, "t") <= until).collect();
         let last = poses.iter().filter(|row| number(row, "t") == until).map(|row| number(row, "x"));
-        let speed = |row: &&Row| (number(row, "vx").powi(2) + number(row, "vy").powi(2)).sqrt();
+        let speed = |row: &&NamedCells| (number(row, "vx").powi(2) + number(row, "vy").powi(2)).sqrt();
         let outputs = || outputs.iter().filter(|row| number(row, "t") <= until);
         let push = outputs().map(|row| number(row, "decision.agent[3].Fp.x"));
         for (name, expected) in [

@@ -6,7 +6,7 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Files, by their paths.
-pub trait Source: std::fmt::Debug {
+pub trait FileSource: std::fmt::Debug {
     /// Returns the content of a file of at most `largest` bytes.
     ///
     /// # Errors
@@ -27,9 +27,9 @@ pub trait Source: std::fmt::Debug {
 
 /// The files of this machine, read by [`input::read`].
 #[derive(Debug, Clone, Copy)]
-pub struct Disk;
+pub struct LocalFiles;
 
-impl Source for Disk {
+impl FileSource for LocalFiles {
     fn read(&self, path: &Path, largest: u64) -> io::Result<Vec<u8>> {
         input::read(path, largest)
     }
@@ -56,7 +56,7 @@ impl Memory {
     }
 }
 
-impl Source for Memory {
+impl FileSource for Memory {
     fn read(&self, path: &Path, largest: u64) -> io::Result<Vec<u8>> {
         let content = self.0.get(&tidy(path)).ok_or(ErrorKind::NotFound)?;
         if content.len() as u64 > largest { Err(input::too_large(largest)) } else { Ok(content.clone()) }
@@ -83,7 +83,7 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         std::fs::create_dir(directory.path().join("a")).unwrap();
         std::fs::write(directory.path().join("a/b.xml"), [7; 10]).unwrap();
-        for (source, root) in [(&memory as &dyn Source, Path::new("")), (&Disk, directory.path())] {
+        for (source, root) in [(&memory as &dyn FileSource, Path::new("")), (&LocalFiles, directory.path())] {
             assert_eq!(source.read(&root.join("a/./b.xml"), 10).unwrap(), [7; 10]);
             let said = source.read(&root.join("a/b.xml"), 9).unwrap_err().to_string();
             assert_eq!(said, "it is larger than 0.000009 MB, the limit");

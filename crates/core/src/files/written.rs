@@ -60,10 +60,10 @@ pub fn reader_left() -> bool {
 }
 
 /// When a regular file was written, and its length: what tells whether somebody else has written it since.
-pub type Mark = (SystemTime, u64);
+pub type FileStamp = (SystemTime, u64);
 
 /// Returns the mark of what is in a place; `None`: no regular file.
-pub fn mark_of(place: &Path) -> Option<Mark> {
+pub fn mark_of(place: &Path) -> Option<FileStamp> {
     let there = place.metadata().ok().filter(std::fs::Metadata::is_file)?;
     Some((there.modified().ok()?, there.len()))
 }
@@ -89,7 +89,7 @@ fn locked(directory: &Path) -> Option<File> {
 pub struct Staged {
     file: File,
     /// The file, its place and what may be replaced there; `None`: an open file is written directly.
-    temporary: Option<(Scratch, PathBuf, Option<Mark>)>,
+    temporary: Option<(Scratch, PathBuf, Option<FileStamp>)>,
     failed: bool,
 }
 
@@ -120,7 +120,7 @@ impl Staged {
 
     /// Replaces only what had this mark earlier, when it was asked whether the place is free.
     #[must_use]
-    pub fn instead_of(mut self, before: Option<Mark>) -> Staged {
+    pub fn instead_of(mut self, before: Option<FileStamp>) -> Staged {
         if let Some((_, _, own)) = &mut self.temporary {
             *own = before;
         }

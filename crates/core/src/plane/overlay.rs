@@ -18,7 +18,7 @@ pub type Polygons = Vec<Vec<Contour>>;
 
 /// What is inside of several contours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fill {
+pub enum InsideRule {
     /// What an odd number of them is around.
     EvenOdd,
     /// What they go around, all in all, where a clockwise one counts against the others.
@@ -27,35 +27,35 @@ pub enum Fill {
 
 /// Returns what is inside of the contours ([`Fill::NonZero`]).
 pub fn union(contours: &[Contour]) -> Polygons {
-    overlay(contours, &[], OverlayRule::Subject, Fill::NonZero, OverlayOptions::default())
+    overlay(contours, &[], OverlayRule::Subject, InsideRule::NonZero, OverlayOptions::default())
 }
 
 /// Returns what is inside of both.
-pub fn intersection(one: &[Contour], other: &[Contour], fill: Fill) -> Polygons {
+pub fn intersection(one: &[Contour], other: &[Contour], fill: InsideRule) -> Polygons {
     overlay(one, other, OverlayRule::Intersect, fill, OverlayOptions::default())
 }
 
 /// Returns what is inside of the first and not of the other.
-pub fn difference(one: &[Contour], other: &[Contour], fill: Fill) -> Polygons {
+pub fn difference(one: &[Contour], other: &[Contour], fill: InsideRule) -> Polygons {
     overlay(one, other, OverlayRule::Difference, fill, OverlayOptions::default())
 }
 
 /// Returns what is inside of the first and not of the other ([`Fill::NonZero`]), parted where it hangs together in a point
 /// only: no contour touches itself.
 pub(super) fn parted(one: &[Contour], other: &[Contour]) -> Polygons {
-    overlay(one, other, OverlayRule::Difference, Fill::NonZero, OverlayOptions::ogc())
+    overlay(one, other, OverlayRule::Difference, InsideRule::NonZero, OverlayOptions::ogc())
 }
 
 fn overlay(
     one: &[Contour],
     other: &[Contour],
     rule: OverlayRule,
-    fill: Fill,
+    fill: InsideRule,
     options: OverlayOptions<f64, i64>,
 ) -> Polygons {
     let fill = match fill {
-        Fill::EvenOdd => FillRule::EvenOdd,
-        Fill::NonZero => FillRule::NonZero,
+        InsideRule::EvenOdd => FillRule::EvenOdd,
+        InsideRule::NonZero => FillRule::NonZero,
     };
     let solver = Default::default();
     FloatOverlay::from_subj_and_clip_custom(one, other, options, solver).overlay(rule, fill)
@@ -97,9 +97,9 @@ mod tests {
         let (one, other) = ([square(0.0, 4.0), square(1.0, 2.0)], [square(2.0, 6.0)]);
         let sum = |polygons: Polygons| polygons.iter().map(|polygon| area(polygon)).sum::<f64>();
         for (what, left, expected) in [
-            ("both", intersection(&one, &other, Fill::EvenOdd), 4.0),
-            ("the first", difference(&one, &other, Fill::EvenOdd), 15.0 - 4.0),
-            ("the first, filled", difference(&one, &other, Fill::NonZero), 16.0 - 4.0),
+            ("both", intersection(&one, &other, InsideRule::EvenOdd), 4.0),
+            ("the first", difference(&one, &other, InsideRule::EvenOdd), 15.0 - 4.0),
+            ("the first, filled", difference(&one, &other, InsideRule::NonZero), 16.0 - 4.0),
             ("any", union(&[one.as_slice(), &other].concat()), 16.0 + 16.0 - 4.0),
         ] {
             let found = sum(left);

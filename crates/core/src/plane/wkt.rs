@@ -7,7 +7,7 @@ const DEEPEST: usize = 32;
 
 /// A geometry of well-known text.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Shape {
+pub enum WktGeometry {
     /// \[m\] `POINT`
     Point(Vec2),
     /// \[m\] `LINESTRING`, at least two corners.
@@ -21,7 +21,7 @@ pub enum Shape {
 ///
 /// # Errors
 /// The text is none of these, a ring is not closed, or a coordinate is not a finite number. The error is a sentence.
-pub fn shapes_from_wkt(wkt: &str) -> Result<Vec<Shape>, String> {
+pub fn shapes_from_wkt(wkt: &str) -> Result<Vec<WktGeometry>, String> {
     let mut text = Text(wkt.trim_start_matches('\u{feff}'));
     let mut shapes = Vec::new();
     loop {
@@ -42,8 +42,8 @@ pub fn shapes_from_wkt(wkt: &str) -> Result<Vec<Shape>, String> {
 /// # Errors
 /// The text is not a POLYGON, a ring is not closed, or a coordinate is not a finite number. The error is a sentence.
 pub fn polygon_from_wkt(wkt: &str) -> Result<Polygon, String> {
-    match <[Shape; 1]>::try_from(shapes_from_wkt(wkt)?) {
-        Ok([Shape::Polygon(polygon)]) => Ok(polygon),
+    match <[WktGeometry; 1]>::try_from(shapes_from_wkt(wkt)?) {
+        Ok([WktGeometry::Polygon(polygon)]) => Ok(polygon),
         _ => Err("is not a POLYGON in well-known text, such as POLYGON ((0 0, 4 0, 4 3, 0 0))".into()),
     }
 }
@@ -71,7 +71,7 @@ impl<'a> Text<'a> {
         word.to_ascii_uppercase()
     }
 
-    fn geometry(&mut self, to: &mut Vec<Shape>, depth: usize) -> Result<(), String> {
+    fn geometry(&mut self, to: &mut Vec<WktGeometry>, depth: usize) -> Result<(), String> {
         let begin = self.0;
         let mut kind = self.word();
         if kind == "SRID" {
@@ -92,7 +92,7 @@ impl<'a> Text<'a> {
         }
         self.0 = before;
         match &*kind {
-            "POINT" => to.extend(self.corners("POINT")?.first().map(|at| Shape::Point(*at))),
+            "POINT" => to.extend(self.corners("POINT")?.first().map(|at| WktGeometry::Point(*at))),
             "MULTIPOINT" => self.points(to)?,
             "LINESTRING" => to.push(self.line()?),
             "MULTILINESTRING" => {
@@ -173,27 +173,27 @@ impl<'a> Text<'a> {
     }
 
     /// Reads the points of a MULTIPOINT, each with or without parentheses of its own.
-    fn points(&mut self, to: &mut Vec<Shape>) -> Result<(), String> {
+    fn points(&mut self, to: &mut Vec<WktGeometry>) -> Result<(), String> {
         self.parts("MULTIPOINT", |text| {
             if text.0.starts_with('(') {
-                to.extend(text.corners("POINT")?.first().map(|at| Shape::Point(*at)));
+                to.extend(text.corners("POINT")?.first().map(|at| WktGeometry::Point(*at)));
             } else {
-                to.push(Shape::Point(text.corner()?));
+                to.push(WktGeometry::Point(text.corner()?));
             }
             Ok(())
         })
     }
 
-    fn line(&mut self) -> Result<Shape, String> {
+    fn line(&mut self) -> Result<WktGeometry, String> {
         let corners = self.corners("LINESTRING")?;
         if corners.len() < 2 {
             Err("a LINESTRING needs two corners".into())
         } else {
-            Ok(Shape::Line(corners))
+            Ok(WktGeometry::Line(corners))
         }
     }
 
-    fn polygon(&mut self) -> Result<Shape, String> {
+    fn polygon(&mut self) -> Result<WktGeometry, String> {
         let mut rings = Vec::new();
         self.parts("POLYGON", |text| {
             if !text.0.starts_with('(') {
@@ -204,7 +204,7 @@ impl<'a> Text<'a> {
         })?;
         let mut rings = rings.into_iter();
         let outer = rings.next().ok_or("POLYGON has no rings")?;
-        Ok(Shape::Polygon(Polygon { outer, holes: rings.collect() }))
+        Ok(WktGeometry::Polygon(Polygon { outer, holes: rings.collect() }))
     }
 
     fn corner(&mut self) -> Result<Vec2, String> {
@@ -238,6 +238,7 @@ fn ring(corners: Vec<Vec2>) -> Result<Ring, String> {
 
 #[cfg(test)]
 mod tests {
+    use super::WktGeometry::{Line, Point};
     use super::*;
 
     fn ring(corners: &[[f64; 2]]) -> Ring {
@@ -250,21 +251,21 @@ mod tests {
         let hole = ring(&[[1.0, 0.5], [2.0, 0.5], [2.0, 1.0]]);
         let with_hole = Polygon { holes: vec![hole], ..triangle() };
         for (text, expected) in [
-            ("POLYGON ((0 0, 4 0, 4 3, 0 0))", vec![Shape::Polygon(triangle())]),
-            ("SRID=25832;POLYGON((0 0,4 0,4 3,0 0))\n", vec![Shape::Polygon(triangle())]),
-            ("polygon z((0 0 7, 4 0 7, 4 3 7, 0 0 7))", vec![Shape::Polygon(triangle())]),
-            ("POLYGON ZM ((0 0 7 1, 4 0 7 1, 4 3 7 1, 0 0 7 1))", vec![Shape::Polygon(triangle())]),
+            ("POLYGON ((0 0, 4 0, 4 3, 0 0))", vec![WktGeometry::Polygon(triangle())]),
+            ("SRID=25832;POLYGON((0 0,4 0,4 3,0 0))\n", vec![WktGeometry::Polygon(triangle())]),
+            ("polygon z((0 0 7, 4 0 7, 4 3 7, 0 0 7))", vec![WktGeometry::Polygon(triangle())]),
+            ("POLYGON ZM ((0 0 7 1, 4 0 7 1, 4 3 7 1, 0 0 7 1))", vec![WktGeometry::Polygon(triangle())]),
             (
                 "MULTIPOLYGON (((0 0, 4 0, 4 3, 0 0), (1 0.5, 2 0.5, 2 1, 1 0.5)), ((0 0, 4 0, 4 3, 0 0)))",
-                vec![Shape::Polygon(with_hole), Shape::Polygon(triangle())],
+                vec![WktGeometry::Polygon(with_hole), WktGeometry::Polygon(triangle())],
             ),
             (
                 "GEOMETRYCOLLECTION (POINT (1 2), GEOMETRYCOLLECTION (LINESTRING (0 0, 1e1 -1)), POINT EMPTY)",
-                vec![Shape::Point(vec2(1.0, 2.0)), Shape::Line(vec![vec2(0.0, 0.0), vec2(10.0, -1.0)])],
+                vec![Point(vec2(1.0, 2.0)), Line(vec![vec2(0.0, 0.0), vec2(10.0, -1.0)])],
             ),
-            ("MULTIPOINT (1 2, 3 4)", vec![Shape::Point(vec2(1.0, 2.0)), Shape::Point(vec2(3.0, 4.0))]),
-            ("MULTIPOINT ((1 2), (3 4))", vec![Shape::Point(vec2(1.0, 2.0)), Shape::Point(vec2(3.0, 4.0))]),
-            ("POINT (1 2)\nPOINT (3 4);", vec![Shape::Point(vec2(1.0, 2.0)), Shape::Point(vec2(3.0, 4.0))]),
+            ("MULTIPOINT (1 2, 3 4)", vec![Point(vec2(1.0, 2.0)), Point(vec2(3.0, 4.0))]),
+            ("MULTIPOINT ((1 2), (3 4))", vec![Point(vec2(1.0, 2.0)), Point(vec2(3.0, 4.0))]),
+            ("POINT (1 2)\nPOINT (3 4);", vec![Point(vec2(1.0, 2.0)), Point(vec2(3.0, 4.0))]),
             ("MULTILINESTRING EMPTY", vec![]),
         ] {
             assert_eq!(shapes_from_wkt(text).as_ref(), Ok(&expected), "{text}");

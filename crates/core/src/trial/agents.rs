@@ -1,7 +1,7 @@
 //! `Agents.xml`.
 
 use crate::plane::{Vec2, rotation, shown_orientation, vec2};
-use crate::trial::schema::{Schema, Value};
+use crate::trial::schema::{AttributeValue, Schema};
 use crate::trial::xml::{Element, Ids, document, empty, read_id, vector};
 use crate::xml::{number, quoted};
 use std::collections::HashMap;
@@ -10,25 +10,25 @@ pub(crate) static AGENTS: Schema = Schema { name: "Agents", attributes: &[], chi
 static AGENT: Schema = Schema {
     name: "Agent",
     attributes: &[
-        ("Type", Value::Word("pedestrian")),
-        ("Id", Value::Id),
-        ("Mass", Value::Positive),
-        ("Height", Value::Positive),
-        ("MomentOfInertia", Value::Positive),
-        ("FloorDamping", Value::NotNegative),
-        ("AngularDamping", Value::NotNegative),
-        ("Kind", Value::Text),
-        ("FloorDampingAcross", Value::NotNegative),
+        ("Type", AttributeValue::Word("pedestrian")),
+        ("Id", AttributeValue::Id),
+        ("Mass", AttributeValue::Positive),
+        ("Height", AttributeValue::Positive),
+        ("MomentOfInertia", AttributeValue::Positive),
+        ("FloorDamping", AttributeValue::NotNegative),
+        ("AngularDamping", AttributeValue::NotNegative),
+        ("Kind", AttributeValue::Text),
+        ("FloorDampingAcross", AttributeValue::NotNegative),
     ],
     children: &[&SHAPE],
 };
 static SHAPE: Schema = Schema {
     name: "Shape",
     attributes: &[
-        ("Type", Value::Word("disk")),
-        ("Radius", Value::Positive),
-        ("MaterialId", Value::IdOf("material")),
-        ("Position", Value::Point),
+        ("Type", AttributeValue::Word("disk")),
+        ("Radius", AttributeValue::Positive),
+        ("MaterialId", AttributeValue::IdOf("material")),
+        ("Position", AttributeValue::Point),
     ],
     children: &[],
 };
@@ -60,7 +60,7 @@ pub struct Agent {
     /// \[1/s\] relaxation rate 1/t_rot, ≥ 0.
     pub angular_damping: f64,
     /// The disks, at least one, in order from the left shoulder to the right one.
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<ShapeElement>,
 }
 
 impl Agent {
@@ -74,8 +74,11 @@ impl Agent {
     /// Returns the same with disks: x, y, radius \[m\], from the left shoulder to the right one.
     #[must_use]
     pub fn with_disks(self, disks: &[[f64; 3]]) -> Agent {
-        let shape =
-            |&[x, y, radius]: &[f64; 3]| Shape { radius, position: vec2(x, y), material_id: String::new() };
+        let shape = |&[x, y, radius]: &[f64; 3]| ShapeElement {
+            radius,
+            position: vec2(x, y),
+            material_id: String::new(),
+        };
         Agent { shapes: disks.iter().map(shape).collect(), ..self }
     }
 
@@ -90,7 +93,7 @@ impl Agent {
 
 /// `<Shape>`: a disk.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shape {
+pub struct ShapeElement {
     /// \[m\]
     pub radius: f64,
     /// Id of its material.
@@ -135,9 +138,9 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Vec<Agent>
     agents
 }
 
-fn read_shape(element: Element<'_>, materials: Option<&Ids<'_>>) -> Shape {
+fn read_shape(element: Element<'_>, materials: Option<&Ids<'_>>) -> ShapeElement {
     element.text("Type");
-    Shape {
+    ShapeElement {
         radius: element.number("Radius"),
         material_id: element.reference("MaterialId", materials).0,
         position: element.vector("Position"),
@@ -154,7 +157,7 @@ pub(crate) fn xml(agents: &[Agent]) -> String {
             let across = agent.floor_damping_across.map(number);
             let values = [name, Some(id), Some(mass), height, inertia, floor, angular, kind, across];
             out.element("Agent", &AGENT.values(&values.each_ref().map(Option::as_deref)), |out| {
-                for Shape { radius, material_id, position } in &agent.shapes {
+                for ShapeElement { radius, material_id, position } in &agent.shapes {
                     empty(out, &SHAPE, &["disk", &number(*radius), material_id, &vector(*position)]);
                 }
             });

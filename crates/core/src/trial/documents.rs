@@ -1,6 +1,6 @@
 //! The directory: its files, read and checked together, and written.
 
-use crate::files::source::{Disk, Source};
+use crate::files::source::{FileSource, LocalFiles};
 use crate::files::{Change, Scratch, WriteError, change_all, make_directories, target_of};
 use crate::trial::agents::{self, Agent};
 use crate::trial::dynamics::{self, AgentDynamics, DynamicsElement, dynamics_xml};
@@ -118,7 +118,7 @@ impl Trial {
     /// # Errors
     /// Errors in its files, all of them.
     pub fn read(directory: &Path) -> Checked<Trial> {
-        Trial::read_from(&Disk, directory, &FileNames::default())
+        Trial::read_from(&LocalFiles, directory, &FileNames::default())
     }
 
     /// Makes a Trial of people, each with the state at the start, and of walls, without materials. It cannot be simulated
@@ -144,7 +144,7 @@ impl Trial {
         let names = FileNames::default();
         let first = directory.join(&names.parameters);
         // What is wrong with it those say who read the Trial.
-        let read = read_alone(&Disk, &first, &parameters::PARAMETERS, parameters::read);
+        let read = read_alone(&LocalFiles, &first, &parameters::PARAMETERS, parameters::read);
         read.map_or(vec![first], |(parameters, _)| names.within(directory, &parameters).all())
     }
 
@@ -152,7 +152,7 @@ impl Trial {
     ///
     /// # Errors
     /// As [`Trial::read`].
-    pub fn read_from(files: &dyn Source, directory: &Path, names: &FileNames) -> Checked<Trial> {
+    pub fn read_from(files: &dyn FileSource, directory: &Path, names: &FileNames) -> Checked<Trial> {
         Reading::of(files, |reading| Trial::read_all(reading, directory, names))
     }
 
@@ -210,7 +210,7 @@ impl Trial {
     /// All errors in its files.
     pub fn read_dynamics(&self, path: &Path) -> Result<Vec<AgentDynamics>, Problems> {
         let read = |root: Element<'_>| dynamics::read(root, Some(&self.agents));
-        read_alone(&Disk, path, &dynamics::AGENTS, read).map(|(dynamics, _)| dynamics)
+        read_alone(&LocalFiles, path, &dynamics::AGENTS, read).map(|(dynamics, _)| dynamics)
     }
 
     /// Reads an `AgentInteractions.xml` of this Trial's agents and walls.
@@ -219,7 +219,7 @@ impl Trial {
     /// All errors in its files.
     pub fn read_interactions(&self, path: &Path) -> Result<Interactions, Problems> {
         let read = |root: Element<'_>| interactions::read(root, &self.agents, &self.geometry);
-        read_alone(&Disk, path, &interactions::INTERACTIONS, read).map(|(contacts, _)| contacts)
+        read_alone(&LocalFiles, path, &interactions::INTERACTIONS, read).map(|(contacts, _)| contacts)
     }
 
     /// Returns the parameters of a copy: its Static and Dynamic directories are inside of its directory.

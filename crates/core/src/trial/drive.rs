@@ -1,7 +1,7 @@
 //! A drive file: the propulsion of agents over time.
 
 use crate::files::input;
-use crate::files::source::{Disk, Source};
+use crate::files::source::{FileSource, LocalFiles};
 use crate::trial::documents::Trial;
 use crate::trial::problem::Problems;
 use crate::xml::{Problem, decimal, quoted};
@@ -19,7 +19,7 @@ pub const DRIVE_FILE: &str = "drive.csv";
 pub const EVER: f64 = 1e6;
 
 /// Fp.x \[N\], Fp.y \[N\], Mp \[N.m\].
-pub type Push = [f64; 3];
+pub type DriveValues = [f64; 3];
 
 /// An error of the file, perhaps of a line of it.
 fn error(line: Option<u64>, message: impl Into<String>) -> Problem {
@@ -44,7 +44,7 @@ pub enum DriveChoice {
 /// interpolated linearly between its rows, and is zero before the first and after the last.
 #[derive(Debug, Default, Clone)]
 pub struct DriveTable {
-    agents: HashMap<String, Vec<(f64, Push)>>,
+    agents: HashMap<String, Vec<(f64, DriveValues)>>,
     /// In the file, of the first row of each agent.
     lines: HashMap<String, u64>,
 }
@@ -71,7 +71,7 @@ impl DriveTable {
             (DriveChoice::File(path), _) => {
                 DriveTable::read(input::open_bounded(path, input::LARGEST_DRIVE), trial, path)
             }
-            (DriveChoice::Own, Some(trial)) => DriveTable::own(&Disk, trial),
+            (DriveChoice::Own, Some(trial)) => DriveTable::own(&LocalFiles, trial),
             (DriveChoice::Own, None) | (DriveChoice::None, _) => Ok(DriveTable::default()),
         }
     }
@@ -80,7 +80,7 @@ impl DriveTable {
     ///
     /// # Errors
     /// Those of [`DriveTable::of`].
-    pub fn own(files: &dyn Source, trial: &Trial) -> Result<DriveTable> {
+    pub fn own(files: &dyn FileSource, trial: &Trial) -> Result<DriveTable> {
         let path = own_drive(trial);
         if files.lacks(&path) {
             return Ok(DriveTable::default());
@@ -194,7 +194,7 @@ impl DriveTable {
     }
 
     /// Adds an agent's rows, in the order of their times.
-    pub fn add(&mut self, agent: &str, rows: Vec<(f64, Push)>) {
+    pub fn add(&mut self, agent: &str, rows: Vec<(f64, DriveValues)>) {
         self.lines.insert(agent.to_owned(), self.lines.len() as u64);
         self.agents.insert(agent.to_owned(), rows);
     }
@@ -228,7 +228,7 @@ impl DriveTable {
     }
 
     /// Returns time \[s\] and push of each row of an agent; `None` if the file does not name it.
-    pub fn rows(&self, agent: &str) -> Option<&[(f64, Push)]> {
+    pub fn rows(&self, agent: &str) -> Option<&[(f64, DriveValues)]> {
         self.agents.get(agent).map(Vec::as_slice)
     }
 
@@ -244,7 +244,7 @@ impl DriveTable {
     }
 
     /// Returns the drive at a time \[s\] of an agent that is in the file; `None` for other agents.
-    pub fn at(&self, agent: &str, time: f64) -> Option<Push> {
+    pub fn at(&self, agent: &str, time: f64) -> Option<DriveValues> {
         let rows = self.agents.get(agent)?;
         let after = rows.partition_point(|row| row.0 <= time);
         let push = match (after.checked_sub(1).map(|before| rows[before]), rows.get(after)) {

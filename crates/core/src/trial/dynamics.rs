@@ -2,7 +2,7 @@
 
 use crate::plane::{Motion, Pose, Twist, Vec2};
 use crate::trial::agents::Agent;
-use crate::trial::schema::{Schema, Value};
+use crate::trial::schema::{AttributeValue, Schema};
 use crate::trial::xml::{Element, document, empty, given_before, ids_of, vector};
 use crate::xml::{number, quoted};
 use std::collections::{BTreeMap, HashMap};
@@ -27,21 +27,24 @@ pub struct AgentDynamics {
 pub(crate) static AGENTS: Schema = Schema { name: "Agents", attributes: &[], children: &[&AGENT] };
 static AGENT: Schema = Schema {
     name: "Agent",
-    attributes: &[("Id", Value::IdOf("agent"))],
+    attributes: &[("Id", AttributeValue::IdOf("agent"))],
     children: &[&KINEMATICS, &DYNAMICS],
 };
 static KINEMATICS: Schema = Schema {
     name: "Kinematics",
     attributes: &[
-        ("Position", Value::Point),
-        ("Velocity", Value::Vector),
-        ("Theta", Value::Number),
-        ("Omega", Value::Number),
+        ("Position", AttributeValue::Point),
+        ("Velocity", AttributeValue::Vector),
+        ("Theta", AttributeValue::Number),
+        ("Omega", AttributeValue::Number),
     ],
     children: &[],
 };
-static DYNAMICS: Schema =
-    Schema { name: "Dynamics", attributes: &[("Fp", Value::Vector), ("Mp", Value::Number)], children: &[] };
+static DYNAMICS: Schema = Schema {
+    name: "Dynamics",
+    attributes: &[("Fp", AttributeValue::Vector), ("Mp", AttributeValue::Number)],
+    children: &[],
+};
 
 /// Reads the file, in the order of `agents`, which is `None` where they could not be read.
 pub(crate) fn read(root: Element<'_>, agents: Option<&[Agent]>) -> Vec<AgentDynamics> {

@@ -1,9 +1,9 @@
 //! `Geometry.xml`.
 
-use crate::files::source::Source;
+use crate::files::source::FileSource;
 use crate::plane::{Vec2, vec2};
 use crate::trial::opening::OpeningTimes;
-use crate::trial::schema::{Schema, Value};
+use crate::trial::schema::{AttributeValue, Schema};
 use crate::trial::xml::{Checked, Element, Ids, document, empty, read_alone, read_id, vector};
 use crate::xml::{number, quoted};
 use std::collections::HashMap;
@@ -23,7 +23,7 @@ impl Geometry {
     ///
     /// # Errors
     /// All errors in the file.
-    pub fn read_from(files: &dyn Source, path: &Path) -> Checked<Geometry> {
+    pub fn read_from(files: &dyn FileSource, path: &Path) -> Checked<Geometry> {
         read_alone(files, path, &GEOMETRY, |root| read(root, None))
     }
 
@@ -70,15 +70,22 @@ impl Wall {
 
 pub(crate) static GEOMETRY: Schema =
     Schema { name: "Geometry", attributes: &[], children: &[&DIMENSIONS, &WALL] };
-static DIMENSIONS: Schema =
-    Schema { name: "Dimensions", attributes: &[("Lx", Value::Number), ("Ly", Value::Number)], children: &[] };
+static DIMENSIONS: Schema = Schema {
+    name: "Dimensions",
+    attributes: &[("Lx", AttributeValue::Number), ("Ly", AttributeValue::Number)],
+    children: &[],
+};
 static WALL: Schema = Schema {
     name: "Wall",
-    attributes: &[("Id", Value::Id), ("MaterialId", Value::IdOf("material")), ("Open", Value::Times)],
+    attributes: &[
+        ("Id", AttributeValue::Id),
+        ("MaterialId", AttributeValue::IdOf("material")),
+        ("Open", AttributeValue::Times),
+    ],
     children: &[&CORNER],
 };
 static CORNER: Schema =
-    Schema { name: "Corner", attributes: &[("Coordinates", Value::Point)], children: &[] };
+    Schema { name: "Corner", attributes: &[("Coordinates", AttributeValue::Point)], children: &[] };
 
 /// Reads the geometry; `materials` is `None` where they could not be read.
 pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Geometry {

@@ -3,37 +3,40 @@
 use crate::plane::Vec2;
 use crate::trial::agents::Agent;
 use crate::trial::geometry::Geometry;
-use crate::trial::schema::{Schema, Value};
+use crate::trial::schema::{AttributeValue, Schema};
 use crate::trial::xml::{Element, document, empty, ids_of, vector};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
 pub(crate) static INTERACTIONS: Schema =
     Schema { name: "Interactions", attributes: &[], children: &[&PARENT] };
-static PARENT: Schema =
-    Schema { name: "Agent", attributes: &[("Id", Value::IdOf("agent"))], children: &[&CHILD, &WALL] };
+static PARENT: Schema = Schema {
+    name: "Agent",
+    attributes: &[("Id", AttributeValue::IdOf("agent"))],
+    children: &[&CHILD, &WALL],
+};
 static CHILD: Schema =
-    Schema { name: "Agent", attributes: &[("Id", Value::IdOf("agent"))], children: &[&INTERACTION] };
+    Schema { name: "Agent", attributes: &[("Id", AttributeValue::IdOf("agent"))], children: &[&INTERACTION] };
 static INTERACTION: Schema = Schema {
     name: "Interaction",
     attributes: &[
-        ("ParentShape", Value::Place),
-        ("ChildShape", Value::Place),
-        ("TangentialRelativeDisplacement", Value::Vector),
-        ("Fn", Value::Vector),
-        ("Ft", Value::Vector),
+        ("ParentShape", AttributeValue::Place),
+        ("ChildShape", AttributeValue::Place),
+        ("TangentialRelativeDisplacement", AttributeValue::Vector),
+        ("Fn", AttributeValue::Vector),
+        ("Ft", AttributeValue::Vector),
     ],
     children: &[],
 };
 static WALL: Schema = Schema {
     name: "Wall",
     attributes: &[
-        ("ShapeId", Value::Place),
-        ("WallId", Value::IdOf("wall")),
-        ("CornerId", Value::Place),
-        ("TangentialRelativeDisplacement", Value::Vector),
-        ("Fn", Value::Vector),
-        ("Ft", Value::Vector),
+        ("ShapeId", AttributeValue::Place),
+        ("WallId", AttributeValue::IdOf("wall")),
+        ("CornerId", AttributeValue::Place),
+        ("TangentialRelativeDisplacement", AttributeValue::Vector),
+        ("Fn", AttributeValue::Vector),
+        ("Ft", AttributeValue::Vector),
     ],
     children: &[],
 };

@@ -1,9 +1,9 @@
 //! `Materials.xml`.
 
-use crate::files::source::Source;
+use crate::files::source::FileSource;
 use crate::trial::agents::Agent;
 use crate::trial::geometry::Geometry;
-use crate::trial::schema::{Schema, Value};
+use crate::trial::schema::{AttributeValue, Schema};
 use crate::trial::xml::{
     Checked, Element, Reading, document, empty, given_before, ids_of, read_alone, read_id,
 };
@@ -16,18 +16,22 @@ pub(crate) static MATERIALS: Schema =
 static INTRINSIC: Schema = Schema { name: "Intrinsic", attributes: &[], children: &[&MATERIAL] };
 static MATERIAL: Schema = Schema {
     name: "Material",
-    attributes: &[("Id", Value::Id), ("YoungModulus", Value::Positive), ("ShearModulus", Value::Positive)],
+    attributes: &[
+        ("Id", AttributeValue::Id),
+        ("YoungModulus", AttributeValue::Positive),
+        ("ShearModulus", AttributeValue::Positive),
+    ],
     children: &[],
 };
 static BINARY: Schema = Schema { name: "Binary", attributes: &[], children: &[&CONTACT] };
 static CONTACT: Schema = Schema {
     name: "Contact",
     attributes: &[
-        ("Id1", Value::IdOf("material")),
-        ("Id2", Value::IdOf("material")),
-        ("GammaNormal", Value::NotNegative),
-        ("GammaTangential", Value::NotNegative),
-        ("KineticFriction", Value::NotNegative),
+        ("Id1", AttributeValue::IdOf("material")),
+        ("Id2", AttributeValue::IdOf("material")),
+        ("GammaNormal", AttributeValue::NotNegative),
+        ("GammaTangential", AttributeValue::NotNegative),
+        ("KineticFriction", AttributeValue::NotNegative),
     ],
     children: &[],
 };
@@ -38,7 +42,7 @@ pub struct Materials {
     /// `<Intrinsic>`
     pub intrinsic: Vec<Material>,
     /// `<Binary>`
-    pub binary: Vec<Contact>,
+    pub binary: Vec<ContactCoefficients>,
 }
 
 impl Materials {
@@ -46,7 +50,7 @@ impl Materials {
     ///
     /// # Errors
     /// All errors in the file.
-    pub fn read_from(files: &dyn Source, path: &Path) -> Checked<Materials> {
+    pub fn read_from(files: &dyn FileSource, path: &Path) -> Checked<Materials> {
         read_alone(files, path, &MATERIALS, |root| read(root).materials)
     }
 }
@@ -64,7 +68,7 @@ pub struct Material {
 
 /// `<Contact>`: coefficients of the contact of two materials; their order does not matter.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Contact {
+pub struct ContactCoefficients {
     /// First material.
     pub id1: String,
     /// Second material; may be the same.
@@ -123,7 +127,7 @@ pub(crate) fn read(root: Element<'_>) -> Read {
                 element.error(format!("duplicate pair {pair}, first given at line {line}"));
             }
         }
-        binary.push(Contact {
+        binary.push(ContactCoefficients {
             id1,
             id2,
             gamma_normal: element.number("GammaNormal"),

@@ -1,6 +1,6 @@
 //! `Parameters.xml`.
 
-use crate::trial::schema::{Schema, Value};
+use crate::trial::schema::{AttributeValue, Schema};
 use crate::trial::xml::{Element, document, empty};
 use crate::xml::number;
 use std::path::Path;
@@ -42,12 +42,12 @@ pub(crate) static PARAMETERS: Schema =
     Schema { name: "Parameters", attributes: &[], children: &[&DIRECTORIES, &TIMES] };
 static DIRECTORIES: Schema = Schema {
     name: "Directories",
-    attributes: &[("Static", Value::Text), ("Dynamic", Value::Text)],
+    attributes: &[("Static", AttributeValue::Text), ("Dynamic", AttributeValue::Text)],
     children: &[],
 };
 static TIMES: Schema = Schema {
     name: "Times",
-    attributes: &[("TimeStep", Value::Positive), ("TimeStepMechanical", Value::Positive)],
+    attributes: &[("TimeStep", AttributeValue::Positive), ("TimeStepMechanical", AttributeValue::Positive)],
     children: &[],
 };
 

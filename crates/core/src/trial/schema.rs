@@ -5,13 +5,13 @@
 pub(crate) struct Schema {
     pub(crate) name: &'static str,
     /// Names and values, in the order in which they are written.
-    pub(crate) attributes: &'static [(&'static str, Value)],
+    pub(crate) attributes: &'static [(&'static str, AttributeValue)],
     pub(crate) children: &'static [&'static Schema],
 }
 
 /// The values of an attribute.
 #[derive(Clone, Copy)]
-pub(crate) enum Value {
+pub(crate) enum AttributeValue {
     /// A finite number.
     Number,
     /// A finite number above 0.
@@ -38,7 +38,7 @@ pub(crate) enum Value {
 
 impl Schema {
     /// The values of an attribute, if it is read.
-    pub(crate) fn value(&self, name: &str) -> Option<Value> {
+    pub(crate) fn value(&self, name: &str) -> Option<AttributeValue> {
         self.attributes.iter().find(|attribute| attribute.0 == name).map(|attribute| attribute.1)
     }
 
@@ -70,20 +70,20 @@ mod tests {
     const HEADER: &str = "| attribute | type | unit | range | if missing | example | meaning |\n";
 
     /// Type and range, as the page names them.
-    fn named(value: Value) -> (String, String) {
+    fn named(value: AttributeValue) -> (String, String) {
         let (kind, range) = match value {
-            Value::Number => ("number", "any"),
-            Value::Positive => ("number", "> 0"),
-            Value::NotNegative => ("number", "≥ 0"),
-            Value::Point => ("point", "any"),
-            Value::Vector => ("vector", "any"),
-            Value::Text => ("text", "any"),
-            Value::Word(word) => (&*format!("`{word}`"), ""),
-            Value::Id => ("Id", "any"),
-            Value::IdOf("agent") => ("Id of an agent", "any"),
-            Value::IdOf(what) => (&*format!("Id of a {what}"), "any"),
-            Value::Place => ("place", "any"),
-            Value::Times => ("times", "0 to 1e9"),
+            AttributeValue::Number => ("number", "any"),
+            AttributeValue::Positive => ("number", "> 0"),
+            AttributeValue::NotNegative => ("number", "≥ 0"),
+            AttributeValue::Point => ("point", "any"),
+            AttributeValue::Vector => ("vector", "any"),
+            AttributeValue::Text => ("text", "any"),
+            AttributeValue::Word(word) => (&*format!("`{word}`"), ""),
+            AttributeValue::Id => ("Id", "any"),
+            AttributeValue::IdOf("agent") => ("Id of an agent", "any"),
+            AttributeValue::IdOf(what) => (&*format!("Id of a {what}"), "any"),
+            AttributeValue::Place => ("place", "any"),
+            AttributeValue::Times => ("times", "0 to 1e9"),
         };
         (kind.to_owned(), range.to_owned())
     }

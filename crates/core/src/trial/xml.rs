@@ -3,14 +3,14 @@
 //! A reader that finds an error reports it and continues with a placeholder (NaN, an empty Id), so that one pass finds
 //! all errors. A Trial with an error is never returned, so no placeholder is either.
 
-use crate::files::source::Source;
+use crate::files::source::FileSource;
 use crate::files::{input, words};
 use crate::plane::{Vec2, vec2};
 use crate::rule::Rule;
 use crate::trial::opening::OpeningTimes;
 use crate::trial::problem::Problems;
-use crate::trial::schema::{Schema, Value};
-use crate::xml::{Document, Layout, Out, Problem, decimal, quoted};
+use crate::trial::schema::{AttributeValue, Schema};
+use crate::xml::{Document, Layout, Problem, XmlWriter, decimal, quoted};
 use std::cell::RefCell;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
@@ -24,7 +24,7 @@ pub type Checked<T> = Result<(T, Problems), Problems>;
 
 /// Files of a Trial while they are read.
 pub(crate) struct Reading<'a> {
-    pub(crate) files: &'a dyn Source,
+    pub(crate) files: &'a dyn FileSource,
     problems: RefCell<Problems>,
     /// Names in the present file that were told as those that may have been meant, with their element's.
     told: RefCell<HashSet<(&'static str, String)>>,
@@ -32,7 +32,7 @@ pub(crate) struct Reading<'a> {
 
 impl Reading<'_> {
     /// Returns what `read` reads without errors, with the warnings; or all errors.
-    pub(crate) fn of<T>(files: &dyn Source, read: impl FnOnce(&Reading<'_>) -> Option<T>) -> Checked<T> {
+    pub(crate) fn of<T>(files: &dyn FileSource, read: impl FnOnce(&Reading<'_>) -> Option<T>) -> Checked<T> {
         let reading = Reading { files, problems: RefCell::default(), told: RefCell::default() };
         let read = read(&reading);
         let problems = reading.problems.into_inner();
@@ -71,7 +71,7 @@ impl Reading<'_> {
 
 /// Reads one file of a Trial.
 pub(crate) fn read_alone<T>(
-    files: &dyn Source,
+    files: &dyn FileSource,
     path: &Path,
     schema: &'static Schema,
     read: impl FnOnce(Element<'_>) -> T,
@@ -139,7 +139,7 @@ impl<'a> Element<'a> {
     /// Returns whether it is of another kind than those that are read: nobody knows what is in it then.
     fn is_foreign(self) -> bool {
         self.schema.attributes.iter().any(|(name, value)| match value {
-            Value::Word(word) => self.node.optional(name).is_some_and(|text| text != *word),
+            AttributeValue::Word(word) => self.node.optional(name).is_some_and(|text| text != *word),
             _ => false,
         })
     }
@@ -253,7 +253,7 @@ impl<'a> Element<'a> {
         format!("; there is {}: is it misspelt?", shown(there))
     }
 
-    fn value(self, attribute: &str) -> Option<Value> {
+    fn value(self, attribute: &str) -> Option<AttributeValue> {
         let value = self.schema.value(attribute);
         debug_assert!(value.is_some(), "{attribute} is not said to be read");
         value
@@ -274,7 +274,7 @@ impl<'a> Element<'a> {
         let text = self.required(attribute).unwrap_or_default();
         if text.trim().is_empty() && self.node.has(attribute) {
             self.wrong(attribute, "must not be empty");
-        } else if let Some(Value::Word(word)) = self.value(attribute)
+        } else if let Some(AttributeValue::Word(word)) = self.value(attribute)
             && text != word
             && self.node.has(attribute)
         {
@@ -290,8 +290,8 @@ impl<'a> Element<'a> {
         };
         let fault = match (decimal(text), value) {
             (None, _) => "must be a finite decimal number",
-            (Some(..=0.0), Some(Value::Positive)) => "must be positive",
-            (Some(..0.0), Some(Value::NotNegative)) => "must not be negative",
+            (Some(..=0.0), Some(AttributeValue::Positive)) => "must be positive",
+            (Some(..0.0), Some(AttributeValue::NotNegative)) => "must not be negative",
             (Some(number), _) => return number,
         };
         self.wrong(attribute, fault);
@@ -306,7 +306,7 @@ impl<'a> Element<'a> {
         }
         let vector = vector.flatten().unwrap_or(vec2(f64::NAN, f64::NAN));
         let far = vector.x.abs() > FARTHEST || vector.y.abs() > FARTHEST;
-        if far && matches!(self.value(attribute), Some(Value::Point)) {
+        if far && matches!(self.value(attribute), Some(AttributeValue::Point)) {
             self.wrong(attribute, format!("x and y must be from -{FARTHEST:e} to {FARTHEST:e} m"));
         }
         vector
@@ -326,7 +326,7 @@ impl<'a> Element<'a> {
     pub(crate) fn reference(self, attribute: &str, ids: Option<&Ids<'_>>) -> (String, Option<usize>) {
         let id = self.text(attribute);
         let place = ids.and_then(|ids| ids.get(&*id).copied());
-        if let Some(Value::IdOf(what)) = self.value(attribute)
+        if let Some(AttributeValue::IdOf(what)) = self.value(attribute)
             && ids.is_some()
             && place.is_none()
             && !id.trim().is_empty()
@@ -412,12 +412,12 @@ pub(crate) fn given_before<K: Eq + Hash>(
 }
 
 /// Writes a whole document of a Trial.
-pub(crate) fn document(root: &str, content: impl FnOnce(&mut Out)) -> String {
-    Out::document(Layout::PAPER, root, &[], content)
+pub(crate) fn document(root: &str, content: impl FnOnce(&mut XmlWriter)) -> String {
+    XmlWriter::document(Layout::PAPER, root, &[], content)
 }
 
 /// Writes an element without children: the values of its attributes, in the order of its table.
-pub(crate) fn empty(out: &mut Out, schema: &Schema, values: &[&str]) {
+pub(crate) fn empty(out: &mut XmlWriter, schema: &Schema, values: &[&str]) {
     let values: Vec<Option<&str>> = values.iter().copied().map(Some).collect();
     out.empty(schema.name, &schema.values(&values));
 }
@@ -431,8 +431,8 @@ mod tests {
     use super::*;
     use crate::files::source::Memory;
 
-    const NUMBERS: [(&str, Value); 3] =
-        [("X", Value::Positive), ("Y", Value::Positive), ("Z", Value::Positive)];
+    const NUMBERS: [(&str, AttributeValue); 3] =
+        [("X", AttributeValue::Positive), ("Y", AttributeValue::Positive), ("Z", AttributeValue::Positive)];
     static B: Schema = Schema { name: "B", attributes: &NUMBERS, children: &[] };
     static A: Schema = Schema { name: "A", attributes: &[], children: &[&B] };
 

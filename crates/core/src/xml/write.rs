@@ -29,17 +29,17 @@ impl Layout {
 }
 
 /// A document that is being written. It is written into memory, which cannot fail: hence the dropped results.
-pub struct Out(Writer<Vec<u8>>);
+pub struct XmlWriter(Writer<Vec<u8>>);
 
-impl Out {
+impl XmlWriter {
     /// A whole document, with a line end after it.
     pub fn document(
         layout: Layout,
         root: &str,
         attributes: Attributes<'_>,
-        content: impl FnOnce(&mut Out),
+        content: impl FnOnce(&mut XmlWriter),
     ) -> String {
-        let mut out = Out(Writer::new_with_indent(Vec::new(), b' ', layout.indent));
+        let mut out = XmlWriter(Writer::new_with_indent(Vec::new(), b' ', layout.indent));
         out.event(Event::Decl(BytesDecl::new("1.0", Some(layout.encoding), None)));
         out.element(root, attributes, content);
         let mut text = out.0.into_inner();
@@ -48,7 +48,7 @@ impl Out {
     }
 
     /// An element with what `content` writes in it.
-    pub fn element(&mut self, name: &str, attributes: Attributes<'_>, content: impl FnOnce(&mut Out)) {
+    pub fn element(&mut self, name: &str, attributes: Attributes<'_>, content: impl FnOnce(&mut XmlWriter)) {
         self.event(Event::Start(start(name, attributes)));
         content(self);
         self.event(Event::End(BytesEnd::new(name)));
@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn what_is_written_is_indented_and_escaped() {
         let write = |layout| {
-            Out::document(layout, "A", &[("a", "<\"&'>")], |out| {
+            XmlWriter::document(layout, "A", &[("a", "<\"&'>")], |out| {
                 out.element("B", &[], |out| out.empty("C", &[("x", "1"), ("y", "2")]));
                 out.text("D", "<a & b>");
             })

@@ -1,6 +1,6 @@
 //! Which exit people take, and when they take another one.
 
-use super::{Agent, Decision};
+use super::{AgentState, Decision};
 use crate::exit_choice::{ExitChoice, Offer, Queues};
 use crate::target::{Destination, Target};
 use lemons_core::plane::{Vec2, vec2};
@@ -14,7 +14,7 @@ impl Decision {
         let (now, by_time) = (self.time + step, self.plan.exit_choice == ExitChoice::Time);
         // By distance, once a second and when something opens or closes; a group with its first member.
         let anew = self.plan.opens_or_closes(self.time, now);
-        let due = |agent: &mut Agent| !by_time && (agent.choice.is_due(step) || anew);
+        let due = |agent: &mut AgentState| !by_time && (agent.choice.is_due(step) || anew);
         let due: Vec<bool> = self.agents.iter_mut().map(due).collect();
         let here = |i: &usize| !self.agents[*i].left && self.has_started(*i);
         let here: Vec<usize> = (0..self.agents.len()).filter(here).collect();

@@ -1,7 +1,7 @@
 //! The crowd as the model of an FMU: poses are inputs, drives are outputs.
 
-use super::quantities::{self, Quantity};
-use super::{Agent, Decision};
+use super::quantities::{self, DecisionQuantity};
+use super::{AgentState, Decision};
 use crate::config::DECISION_FILE;
 use crate::plan::Plan;
 use crate::target::Arrival;
@@ -14,10 +14,10 @@ use serde::{Deserialize, Serialize};
 
 /// The saved state, without the location of the resources.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Saved {
+pub struct SavedDecision {
     /// Fingerprint of the plan.
     fingerprint: u128,
-    pub(super) agents: Vec<Agent>,
+    pub(super) agents: Vec<AgentState>,
     /// \[s\] Time since the start.
     time: f64,
     /// See [`Decision`].
@@ -32,8 +32,8 @@ fn finite(i: usize, name: &'static str, value: f64) -> Answer<f64> {
 }
 
 impl Model for Decision {
-    type Quantity = Quantity;
-    type Saved = Saved;
+    type Quantity = DecisionQuantity;
+    type Saved = SavedDecision;
 
     const NAME: &'static str = "LEMONS decision";
     const IDENTIFIER: &'static str = "Decision";
@@ -42,7 +42,7 @@ impl Model for Decision {
     const STOP_TIME: f64 = 30.0;
     const STATE_VERSION: u32 = 9;
     const SIZES: &'static [Size] = &quantities::SIZES;
-    const VARIABLES: &'static [Variable<Quantity>] = &quantities::QUANTITIES;
+    const VARIABLES: &'static [Variable<DecisionQuantity>] = &quantities::QUANTITIES;
 
     fn load(location: Location<'_>) -> Answer<Decision> {
         let candidates = location.directories()?;
@@ -60,7 +60,7 @@ impl Model for Decision {
         [self.agents.len(), self.most_waypoints][place] as u64
     }
 
-    fn scalars(&self) -> Vec<Scalar<Quantity>> {
+    fn scalars(&self) -> Vec<Scalar<DecisionQuantity>> {
         self.scalars_of_plan()
     }
 
@@ -68,44 +68,48 @@ impl Model for Decision {
         self.plan.time_step
     }
 
-    fn number(&mut self, quantity: Quantity, element: usize) -> Answer<f64> {
+    fn number(&mut self, quantity: DecisionQuantity, element: usize) -> Answer<f64> {
         if let Some(field) = self.field(quantity, element) {
             return Ok(*field);
         }
         let i = element / self.elements_of_each(quantity);
         Ok(match quantity {
-            Quantity::Fp => {
+            DecisionQuantity::Fp => {
                 let axis = element % 2;
                 finite(i, ["Fp.x", "Fp.y"][axis], self.drive(i)?.force[axis])?
             }
-            Quantity::Mp => finite(i, "Mp", self.drive(i)?.torque)?,
-            Quantity::Active => {
+            DecisionQuantity::Mp => finite(i, "Mp", self.drive(i)?.torque)?,
+            DecisionQuantity::Active => {
                 self.find_ways()?;
                 f64::from(self.arrival(i) != Some(Arrival::Leaves))
             }
-            Quantity::Arrived => self.arrived()? as f64,
-            Quantity::NextWaypoint => self.agents[i].next() as f64,
-            Quantity::Legs | Quantity::Lean | Quantity::Steps | Quantity::Balanced | Quantity::Fallen => {
+            DecisionQuantity::Arrived => self.arrived()? as f64,
+            DecisionQuantity::NextWaypoint => self.agents[i].next() as f64,
+            DecisionQuantity::Legs
+            | DecisionQuantity::Lean
+            | DecisionQuantity::Steps
+            | DecisionQuantity::Balanced
+            | DecisionQuantity::Fallen => {
                 let stance = self.seen_stance(i)?;
                 match quantity {
-                    Quantity::Legs => <[f64; 2]>::from(stance.feet)[element % 2],
-                    Quantity::Lean => (self.agents[i].at() - stance.feet).norm(),
-                    Quantity::Steps => stance.steps.into(),
-                    Quantity::Balanced => stance.balanced.into(),
+                    DecisionQuantity::Legs => <[f64; 2]>::from(stance.feet)[element % 2],
+                    DecisionQuantity::Lean => (self.agents[i].at() - stance.feet).norm(),
+                    DecisionQuantity::Steps => stance.steps.into(),
+                    DecisionQuantity::Balanced => stance.balanced.into(),
                     _ => stance.fallen.into(),
                 }
             }
-            Quantity::WaypointCount => self.agents[i].walker.waypoints.len() as f64,
+            DecisionQuantity::WaypointCount => self.agents[i].walker.waypoints.len() as f64,
             _ => 0.0,
         })
     }
 
-    fn text(&self, _: Quantity, element: usize) -> &str {
+    fn text(&self, _: DecisionQuantity, element: usize) -> &str {
         &self.plan.agents[element].id
     }
 
     /// Checks that way-points which nobody has are 0.
-    fn check(&self, quantity: Quantity, values: &[f64]) -> Answer<()> {
+    fn check(&self, quantity: DecisionQuantity, values: &[f64]) -> Answer<()> {
         let beyond = |k: &usize| values[*k] != 0.0 && !self.has(quantity, *k);
         let Some(k) = (0..values.len()).find(beyond) else { return Ok(()) };
         let i = k / self.elements_of_each(quantity);
@@ -113,14 +117,14 @@ impl Model for Decision {
         refuse(format!("agent {agent:?} has only {count} way-points: what is beyond them must be 0"))
     }
 
-    fn set(&mut self, quantity: Quantity, element: usize, value: f64, _: Phase) {
+    fn set(&mut self, quantity: DecisionQuantity, element: usize, value: f64, _: Phase) {
         if let Some(field) = self.field(quantity, element) {
             *field = value;
             (self.wanted, self.aims, self.legs) = (None, None, None);
         }
     }
 
-    fn dependencies(&self, computed: Quantity, known: Known) -> Dependencies<Quantity> {
+    fn dependencies(&self, computed: DecisionQuantity, known: Known) -> Dependencies<DecisionQuantity> {
         self.dependencies_of(computed, known)
     }
 
@@ -140,8 +144,8 @@ impl Model for Decision {
         Ok(())
     }
 
-    fn save(&self) -> Saved {
-        Saved {
+    fn save(&self) -> SavedDecision {
+        SavedDecision {
             fingerprint: self.fingerprint,
             time: self.time,
             agents: self.agents.clone(),
@@ -149,13 +153,13 @@ impl Model for Decision {
         }
     }
 
-    fn restore(&mut self, saved: &Saved) -> Answer<()> {
+    fn restore(&mut self, saved: &SavedDecision) -> Answer<()> {
         const IMPOSSIBLE: &str = "it has other agents or way-points, or impossible values";
-        let Saved { fingerprint, agents: saved, time, wanted } = saved;
+        let SavedDecision { fingerprint, agents: saved, time, wanted } = saved;
         if *fingerprint != self.fingerprint {
             return refuse("the state belongs to another model, with another plan");
         }
-        let alike = |(a, b): (&Agent, &Agent)| {
+        let alike = |(a, b): (&AgentState, &AgentState)| {
             let count = b.walker.waypoints.len();
             let last = a.last.is_none_or(|at| at.is_finite());
             let own = [a.steering, a.noise, a.phase, a.choice.wait, a.choice.turn]

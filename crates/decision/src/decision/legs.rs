@@ -1,7 +1,7 @@
 //! Legs of everybody: when it is decided who stands, and what the outputs say of them.
 
 use super::Decision;
-use crate::balance::{Balance, Legs, OwnMotion, STILL};
+use crate::balance::{BalanceModel, Legs, OwnMotion, STILL};
 use crate::target::Arrival;
 use lemons_core::plane::Vec2;
 use lemons_fmi::Answer;
@@ -34,7 +34,7 @@ impl Decision {
         let legs = if agent.last.is_some() { agent.legs } else { decided.unwrap_or_default() };
         let Legs { stands, at, steps, fallen, .. } = legs;
         let stands = stands && !agent.left;
-        let balanced = |balance: Balance| balance.is_balanced(&legs, &agent.motion());
+        let balanced = |balance: BalanceModel| balance.is_balanced(&legs, &agent.motion());
         let balanced = !stands || self.plan.balance.is_none_or(balanced);
         Stance { stands, feet: if stands { at } else { agent.at() }, steps, balanced, fallen }
     }
@@ -49,7 +49,7 @@ impl Decision {
     }
 
     /// Decides who stands, unless that was done at these poses.
-    pub(super) fn decide_legs(&mut self, balance: &Balance) {
+    pub(super) fn decide_legs(&mut self, balance: &BalanceModel) {
         if self.legs.is_none() {
             if !self.plan.groups.is_empty() {
                 self.find_aims();
@@ -59,7 +59,7 @@ impl Decision {
     }
 
     /// Returns the legs of an agent that has not left: whether it stands follows from where it wants to go.
-    fn decided_legs(&mut self, i: usize, balance: &Balance) -> Option<Legs> {
+    fn decided_legs(&mut self, i: usize, balance: &BalanceModel) -> Option<Legs> {
         if self.arrival(i) == Some(Arrival::Leaves) {
             return None;
         }
@@ -89,7 +89,7 @@ impl Decision {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Quantity, tests::decision};
+    use super::super::{DecisionQuantity, tests::decision};
     use super::*;
     use crate::WalkingModelName;
     use lemons_core::plane::{Motion, Pose, Twist, vec2};
@@ -177,15 +177,15 @@ mod tests {
         );
         let still = Motion::default();
         decision.see([moving(0.0, 1.0), still].into_iter());
-        assert_eq!([0, 1].map(|i| decision.number(Quantity::Balanced, i).unwrap()), [0.0, 1.0]);
+        assert_eq!([0, 1].map(|i| decision.number(DecisionQuantity::Balanced, i).unwrap()), [0.0, 1.0]);
         // Person 1 is pushed out.
         for x in [0.5, 0.9, 1.3, 1.5] {
             decision.see([still, moving(x, 2.0)].into_iter());
             decision.acts().unwrap();
             decision.pass(0.1).unwrap();
         }
-        let [lean, balanced] =
-            [Quantity::Lean, Quantity::Balanced].map(|quantity| decision.number(quantity, 1).unwrap());
+        let [lean, balanced] = [DecisionQuantity::Lean, DecisionQuantity::Balanced]
+            .map(|quantity| decision.number(quantity, 1).unwrap());
         assert!(decision.agents[1].left && lean == 0.0 && balanced == 1.0);
     }
 
@@ -193,14 +193,14 @@ mod tests {
     fn legs_depend_on_the_own_motion_only() {
         let decision =
             decision("balance = \"pendulum\"\nmodel = \"rotational\"\nwaypoints = [{ x = 9, y = 0 }]");
-        let known = |output: Quantity| match decision.dependencies(output, Known::Inputs) {
+        let known = |output: DecisionQuantity| match decision.dependencies(output, Known::Inputs) {
             Dependencies::All(on) => (true, on),
             Dependencies::Elements(elements) => {
                 let first = elements.iter().filter(|of| of.dependent == 0);
                 (false, first.map(|of| of.on).collect())
             }
         };
-        use Quantity::*;
+        use DecisionQuantity::*;
         assert_eq!(known(Lean), (false, vec![Position; 2]));
         assert_eq!(known(Balanced), (false, vec![Position, Position, Velocity, Velocity]));
         assert!(known(Steps).1.is_empty() && known(Fallen).1.is_empty());
@@ -217,15 +217,17 @@ mod tests {
         let mut balanced = |x: f64| {
             let other = Motion { pose: Pose::new(x, 0.9, 0.0), ..Motion::default() };
             decision.see([moving(0.0, 1.0), other].into_iter());
-            decision.number(Quantity::Balanced, 0).unwrap()
+            decision.number(DecisionQuantity::Balanced, 0).unwrap()
         };
         assert_eq!([0.0, -5.0].map(&mut balanced), [1.0, 0.0]);
-        for output in [Quantity::Legs, Quantity::Lean, Quantity::Balanced] {
-            for (known, also) in [(Known::Inputs, None), (Known::Starts, Some(Quantity::Waypoint))] {
+        for output in [DecisionQuantity::Legs, DecisionQuantity::Lean, DecisionQuantity::Balanced] {
+            for (known, also) in [(Known::Inputs, None), (Known::Starts, Some(DecisionQuantity::Waypoint))] {
                 let Dependencies::All(on) = decision.dependencies(output, known) else {
                     panic!("{output:?}: not on all")
                 };
-                assert!(also.into_iter().chain([Quantity::Position]).all(|needed| on.contains(&needed)));
+                assert!(
+                    also.into_iter().chain([DecisionQuantity::Position]).all(|needed| on.contains(&needed))
+                );
             }
         }
     }

@@ -6,16 +6,16 @@
 //! much of it counts. What is beyond is 0 and stays 0.
 
 use super::Decision;
-use crate::balance::Balance;
+use crate::balance::BalanceModel;
 use lemons_fmi::variables::types::*;
 use lemons_fmi::variables::{
-    Dependencies, Dependency, Dimension, Domain, Kind, Known, Role, Scalar, Size, Variable, row,
+    Dependencies, Dependency, Dimension, Domain, Known, Role, Scalar, Size, Variable, VariableType, row,
 };
 
 /// A quantity: a row of [`QUANTITIES`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)] // the table says it
-pub enum Quantity {
+pub enum DecisionQuantity {
     Arrived,
     Position,
     Theta,
@@ -57,10 +57,10 @@ const WAYPOINTS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1)];
 const WAYPOINT_VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1), Dimension::Fixed(2)];
 
 /// The table.
-pub static QUANTITIES: [Variable<Quantity>; 27] = {
+pub static QUANTITIES: [Variable<DecisionQuantity>; 27] = {
+    use DecisionQuantity::*;
     use Domain::*;
-    use Kind::*;
-    use Quantity::*;
+    use VariableType::*;
     [
         row(Arrived, "Arrived", &[], Integer)
             .calculated("how many agents have reached their last way-point, exit or goal"),
@@ -107,20 +107,20 @@ pub static QUANTITIES: [Variable<Quantity>; 27] = {
     ]
 };
 
-impl Quantity {
+impl DecisionQuantity {
     /// Returns its row of the table.
-    pub fn row(self) -> &'static Variable<Quantity> {
+    pub fn row(self) -> &'static Variable<DecisionQuantity> {
         &QUANTITIES[self as usize]
     }
 
     /// Returns whether it has an element for each way-point of an agent.
     fn is_of_waypoints(self) -> bool {
-        matches!(self, Quantity::Waypoint | Quantity::WaypointRadius)
+        matches!(self, DecisionQuantity::Waypoint | DecisionQuantity::WaypointRadius)
     }
 
     /// Returns whether an output depends on an input or a parameter of the same agent.
-    fn needs(self, on: Quantity) -> bool {
-        use Quantity::*;
+    fn needs(self, on: DecisionQuantity) -> bool {
+        use DecisionQuantity::*;
         match on {
             // Counted in steps.
             _ if matches!(self, Steps | Fallen) => false,
@@ -135,14 +135,14 @@ impl Quantity {
 
 impl Decision {
     /// Returns the number of elements of a quantity that each agent has.
-    pub(super) fn elements_of_each(&self, quantity: Quantity) -> usize {
+    pub(super) fn elements_of_each(&self, quantity: DecisionQuantity) -> usize {
         let waypoints = if quantity.is_of_waypoints() { self.most_waypoints } else { 1 };
         if quantity.row().is_vector() { 2 * waypoints } else { waypoints }
     }
 
     /// Returns whether an agent has an element of a quantity: not of way-points that it does not
     /// have.
-    pub(super) fn has(&self, quantity: Quantity, element: usize) -> bool {
+    pub(super) fn has(&self, quantity: DecisionQuantity, element: usize) -> bool {
         let each = self.elements_of_each(quantity);
         let count = self.agents[element / each].walker.waypoints.len();
         !quantity.is_of_waypoints() || element % each < count * each / self.most_waypoints
@@ -150,36 +150,37 @@ impl Decision {
 
     /// Returns the number behind an element that can be set; `None` for a computed one, and for
     /// way-points that an agent does not have.
-    pub(crate) fn field(&mut self, quantity: Quantity, element: usize) -> Option<&mut f64> {
+    pub(crate) fn field(&mut self, quantity: DecisionQuantity, element: usize) -> Option<&mut f64> {
         let each = self.elements_of_each(quantity);
         let (i, k) = (element / each, element % each);
-        let super::Agent { pose, velocity, walker, .. } = self.agents.get_mut(i)?;
+        let super::AgentState { pose, velocity, walker, .. } = self.agents.get_mut(i)?;
         let x = k % 2 == 0;
         Some(match quantity {
-            Quantity::Position if x => &mut pose.position.x,
-            Quantity::Position => &mut pose.position.y,
-            Quantity::Theta => &mut pose.orientation,
-            Quantity::Velocity => &mut velocity[k],
-            Quantity::Mass => &mut walker.mass,
-            Quantity::MomentOfInertia => &mut walker.moment_of_inertia,
-            Quantity::FloorDamping => &mut walker.floor_damping,
-            Quantity::AngularDamping => &mut walker.angular_damping,
-            Quantity::DesiredSpeed => &mut walker.desired_speed,
-            Quantity::TimeGap => &mut walker.time_gap,
-            Quantity::StandstillGap => &mut walker.standstill_gap,
-            Quantity::ReactionTime => &mut walker.reaction_time,
-            Quantity::Start => &mut walker.start,
-            Quantity::Push => &mut walker.push,
-            Quantity::Waypoint if x => &mut walker.waypoints.get_mut(k / 2)?.x,
-            Quantity::Waypoint => &mut walker.waypoints.get_mut(k / 2)?.y,
-            Quantity::WaypointRadius => &mut walker.waypoints.get_mut(k)?.radius,
+            DecisionQuantity::Position if x => &mut pose.position.x,
+            DecisionQuantity::Position => &mut pose.position.y,
+            DecisionQuantity::Theta => &mut pose.orientation,
+            DecisionQuantity::Velocity => &mut velocity[k],
+            DecisionQuantity::Mass => &mut walker.mass,
+            DecisionQuantity::MomentOfInertia => &mut walker.moment_of_inertia,
+            DecisionQuantity::FloorDamping => &mut walker.floor_damping,
+            DecisionQuantity::AngularDamping => &mut walker.angular_damping,
+            DecisionQuantity::DesiredSpeed => &mut walker.desired_speed,
+            DecisionQuantity::TimeGap => &mut walker.time_gap,
+            DecisionQuantity::StandstillGap => &mut walker.standstill_gap,
+            DecisionQuantity::ReactionTime => &mut walker.reaction_time,
+            DecisionQuantity::Start => &mut walker.start,
+            DecisionQuantity::Push => &mut walker.push,
+            DecisionQuantity::Waypoint if x => &mut walker.waypoints.get_mut(k / 2)?.x,
+            DecisionQuantity::Waypoint => &mut walker.waypoints.get_mut(k / 2)?.y,
+            DecisionQuantity::WaypointRadius => &mut walker.waypoints.get_mut(k)?.radius,
             _ => return None,
         })
     }
 
     /// Returns the variables of FMI 2.0. A value reference is an index in this list.
-    pub(super) fn scalars_of_plan(&self) -> Vec<Scalar<Quantity>> {
-        let mut scalars: Vec<Scalar<Quantity>> = Quantity::Arrived.row().scalars(0, "", "").collect();
+    pub(super) fn scalars_of_plan(&self) -> Vec<Scalar<DecisionQuantity>> {
+        let mut scalars: Vec<Scalar<DecisionQuantity>> =
+            DecisionQuantity::Arrived.row().scalars(0, "", "").collect();
         let of_agents = || {
             QUANTITIES.iter().filter(|row| {
                 row.role != Role::CalculatedParameter && [AGENTS, VECTORS].contains(&row.dimensions)
@@ -190,7 +191,7 @@ impl Decision {
             scalars.extend(of_agents().flat_map(|row| row.scalars(i, &prefix, &about)));
             for k in 0..agent.walker.waypoints.len() {
                 let at = i * self.most_waypoints + k;
-                let scalar = |quantity: Quantity, element, name, description| Scalar {
+                let scalar = |quantity: DecisionQuantity, element, name, description| Scalar {
                     name: format!("{prefix}Waypoint[{k}].{name}"),
                     description: format!("{about}{description}"),
                     variable: quantity.row(),
@@ -198,9 +199,9 @@ impl Decision {
                 };
                 let near = "it is reached when the agent is this near";
                 scalars.extend([
-                    scalar(Quantity::Waypoint, 2 * at, "x", "x of a way-point"),
-                    scalar(Quantity::Waypoint, 2 * at + 1, "y", "y of a way-point"),
-                    scalar(Quantity::WaypointRadius, at, "Radius", near),
+                    scalar(DecisionQuantity::Waypoint, 2 * at, "x", "x of a way-point"),
+                    scalar(DecisionQuantity::Waypoint, 2 * at + 1, "y", "y of a way-point"),
+                    scalar(DecisionQuantity::WaypointRadius, at, "Radius", near),
                 ]);
             }
         }
@@ -208,42 +209,50 @@ impl Decision {
     }
 
     /// Returns whether an output depends on the inputs of all agents.
-    fn needs_all(&self, output: Quantity) -> bool {
+    fn needs_all(&self, output: DecisionQuantity) -> bool {
         let groups = !self.plan.groups.is_empty();
         match output {
-            Quantity::Fp | Quantity::Mp => groups || self.plan.walking_model.sees_others(),
+            DecisionQuantity::Fp | DecisionQuantity::Mp => groups || self.plan.walking_model.sees_others(),
             // Before the first step, who stands follows from where the whole group is.
-            Quantity::Legs | Quantity::Lean | Quantity::Balanced => groups && self.plan.balance.is_some(),
+            DecisionQuantity::Legs | DecisionQuantity::Lean | DecisionQuantity::Balanced => {
+                groups && self.plan.balance.is_some()
+            }
             _ => false,
         }
     }
 
     /// Returns the dependencies of an output on the inputs and parameters of the same agent; of the
     /// number of those who have arrived, on those of everybody.
-    pub(super) fn dependencies_of(&self, output: Quantity, known: Known) -> Dependencies<Quantity> {
+    pub(super) fn dependencies_of(
+        &self,
+        output: DecisionQuantity,
+        known: Known,
+    ) -> Dependencies<DecisionQuantity> {
         if output.row().role != Role::Calculated {
             return Dependencies::Elements(Vec::new());
         }
         // Where people see each other, outlines and motions count, too.
-        let seen = |on: Quantity| {
-            use Quantity::*;
+        let seen = |on: DecisionQuantity| {
+            use DecisionQuantity::*;
             let of_motion = matches!(on, Theta | Velocity | FloorDamping | DesiredSpeed);
             let of_way = matches!(on, Waypoint | WaypointRadius);
             let counts = of_motion || of_way || matches!(on, TimeGap | StandstillGap | ReactionTime | Start);
-            let extrapolates = matches!(self.plan.balance, Some(Balance::Pendulum(_))) && output == Balanced;
+            let extrapolates =
+                matches!(self.plan.balance, Some(BalanceModel::Pendulum(_))) && output == Balanced;
             self.needs_all(output) && counts || extrapolates && on == Velocity
         };
-        let needed = |row: &&Variable<Quantity>| {
+        let needed = |row: &&Variable<DecisionQuantity>| {
             known.includes(row.role) && (output.needs(row.quantity) || seen(row.quantity))
         };
-        let on: Vec<Quantity> = QUANTITIES.iter().filter(needed).map(|row| row.quantity).collect();
+        let on: Vec<DecisionQuantity> = QUANTITIES.iter().filter(needed).map(|row| row.quantity).collect();
         if self.needs_all(output) {
             return Dependencies::All(on);
         }
         let each = self.elements_of_each(output);
         let mut dependencies = Vec::new();
         for i in 0..self.agents.len() {
-            let dependents = if output == Quantity::Arrived { 0..1 } else { i * each..(i + 1) * each };
+            let dependents =
+                if output == DecisionQuantity::Arrived { 0..1 } else { i * each..(i + 1) * each };
             for (dependent, &on) in dependents.flat_map(|dependent| on.iter().map(move |on| (dependent, on)))
             {
                 let of_each = self.elements_of_each(on);

@@ -14,8 +14,8 @@ pub(super) fn decision(wishes: &str) -> Decision {
 fn a_drive_beyond_all_numbers_is_an_error_that_names_it() {
     let mut decision = decision("waypoints = [{ x = 1, y = 0 }]");
     // An importer's, not a user's.
-    decision.set(Quantity::DesiredSpeed, 0, 1.7e308, Phase::StepComplete);
-    let error = decision.number(Quantity::Fp, 0).unwrap_err().to_string();
+    decision.set(DecisionQuantity::DesiredSpeed, 0, 1.7e308, Phase::StepComplete);
+    let error = decision.number(DecisionQuantity::Fp, 0).unwrap_err().to_string();
     assert!(error.contains("agent[0]") && error.contains("Fp.x"), "{error}");
 }
 
@@ -52,10 +52,10 @@ fn who_has_not_started_stands() {
             "model = \"{model}\"\nwaypoints = [{{ x = 5, y = 0 }}]\nstart = 0.1\n[agents.1]\nstart = 0"
         ));
         // Not where the other one is.
-        decision.set(Quantity::Position, 1, 4.0, Phase::StepComplete);
+        decision.set(DecisionQuantity::Position, 1, 4.0, Phase::StepComplete);
         let mut seen = Vec::new();
         for _ in 0..4 {
-            let [one, other] = [0, 2].map(|element| decision.number(Quantity::Fp, element).unwrap());
+            let [one, other] = [0, 2].map(|element| decision.number(DecisionQuantity::Fp, element).unwrap());
             seen.push((one.abs() > 1.0, other.abs() > 1.0));
             decision.pass(0.05).unwrap();
         }
@@ -70,17 +70,17 @@ fn people_wait_at_way_points_and_a_saved_run_goes_on_alike() {
             "model = \"{model}\"\nwaypoints = [{{ x = 0.2, y = 0, wait = 0.2 }}, {{ x = 5, y = 0 }}]\n\
              [agents.1]\nwaypoints = [{{ x = 0, y = 9 }}]"
         ));
-        decision.set(Quantity::Position, 3, 4.0, Phase::StepComplete);
+        decision.set(DecisionQuantity::Position, 3, 4.0, Phase::StepComplete);
         let mut seen = Vec::new();
         let mut other = decision.anew();
         for k in 0..6 {
             // Pushed away while it waits: it has been there.
             if k == 2 {
-                decision.set(Quantity::Position, 0, -1.0, Phase::StepComplete);
+                decision.set(DecisionQuantity::Position, 0, -1.0, Phase::StepComplete);
                 other.restore(&decision.save()).unwrap();
             }
-            let next = decision.number(Quantity::NextWaypoint, 0).unwrap();
-            seen.push((next, decision.number(Quantity::Fp, 0).unwrap() > 1.0));
+            let next = decision.number(DecisionQuantity::NextWaypoint, 0).unwrap();
+            seen.push((next, decision.number(DecisionQuantity::Fp, 0).unwrap() > 1.0));
             decision.pass(0.05).unwrap();
             if k >= 2 {
                 other.pass(0.05).unwrap();
@@ -120,7 +120,7 @@ fn speeds_and_starts_are_drawn_with_the_seed() {
 fn states_with_impossible_numbers_or_of_another_plan_are_refused() {
     let mut decision = decision("waypoints = [{ x = 1, y = 2 }]");
     let good = decision.save();
-    let forgeries: [fn(&mut Agent); 6] = [
+    let forgeries: [fn(&mut AgentState); 6] = [
         |agent| agent.legs.at.x = f64::INFINITY,
         |agent| agent.pose.position.x = f64::NAN,
         |agent| agent.walker.mass = 0.0,
@@ -143,8 +143,8 @@ fn states_with_impossible_numbers_or_of_another_plan_are_refused() {
 fn who_insists_keeps_turned_shoulders() {
     let mut decision = decision("model = \"rotational\"\nwaypoints = [{ x = 5, y = 0 }]");
     // Close to the other one.
-    decision.set(Quantity::Position, 2, 0.5, Phase::StepComplete);
-    decision.set(Quantity::Position, 3, 0.3, Phase::StepComplete);
+    decision.set(DecisionQuantity::Position, 2, 0.5, Phase::StepComplete);
+    decision.set(DecisionQuantity::Position, 3, 0.3, Phase::StepComplete);
     let (way, speed) = decision.goes(0).unwrap();
     let turned = decision.intent(0).facing.unwrap();
     assert!(turned.dot(&way) < 0.9, "{turned}");

@@ -5,11 +5,11 @@ use crate::Version;
 use crate::answer::{Answer, discard, out_of_range, refuse};
 use crate::lifecycle::{Function, Phase};
 use crate::model::{Model, reference};
-use crate::variables::{Dependencies, Dimension, Known, Number, Role, Type, Variable};
+use crate::variables::{BaseType, Dependencies, Dimension, Known, Number, Role, Variable};
 
 impl<M: Model> Slave<M> {
     #[inline]
-    fn row(&self, reference: u32, of: Type) -> Answer<Row<M::Quantity>> {
+    fn row(&self, reference: u32, of: BaseType) -> Answer<Row<M::Quantity>> {
         match self.rows.get(reference as usize) {
             Some(row) if row.of == of => Ok(*row),
             _ => unknown_reference(of.name(self.version), reference),
@@ -44,7 +44,7 @@ impl<M: Model> Slave<M> {
     ///
     /// # Errors
     /// Unknown references, or sizes that are not those of what is loaded.
-    pub fn count(&self, references: &[u32], of: Type) -> Answer<usize> {
+    pub fn count(&self, references: &[u32], of: BaseType) -> Answer<usize> {
         let mut count = 0;
         for &reference in references {
             self.row(reference, of)?;
@@ -55,7 +55,7 @@ impl<M: Model> Slave<M> {
 
     /// Checks types, and that the number of elements of all variables together is that of the
     /// values.
-    fn check_count(&self, references: &[u32], of: Type, given: usize) -> Answer<()> {
+    fn check_count(&self, references: &[u32], of: BaseType, given: usize) -> Answer<()> {
         if self.version == Version::V2 {
             return Ok(());
         }
@@ -83,7 +83,7 @@ impl<M: Model> Slave<M> {
     }
 
     /// Refuses to read what has no start value before initialization begins (FMI 3.0, section 2.3.2).
-    fn check_readable(&self, references: &[u32], of: Type) -> Answer<()> {
+    fn check_readable(&self, references: &[u32], of: BaseType) -> Answer<()> {
         if self.phase != Phase::Instantiated {
             return Ok(());
         }
@@ -129,7 +129,7 @@ impl<M: Model> Slave<M> {
             numbers.resize(these.len(), self.time);
             match self.row(reference, N::TYPE)?.quantity {
                 Some(quantity) => discard(self.version, self.model.numbers(quantity, &mut numbers))?,
-                None if N::TYPE == Type::Size => numbers[0] = self.sizes[reference as usize - 1] as f64,
+                None if N::TYPE == BaseType::Size => numbers[0] = self.sizes[reference as usize - 1] as f64,
                 None => {}
             }
             these.iter_mut().zip(&numbers).for_each(|(value, number)| *value = N::of(*number));
@@ -144,11 +144,11 @@ impl<M: Model> Slave<M> {
     /// Wrong phase, unknown references, a wrong number of values.
     pub fn get_strings(&self, references: &[u32], count: usize) -> Answer<Vec<String>> {
         self.check(Function::Get)?;
-        self.check_count(references, Type::String, count)?;
-        self.check_readable(references, Type::String)?;
+        self.check_count(references, BaseType::String, count)?;
+        self.check_readable(references, BaseType::String)?;
         let mut texts = Vec::with_capacity(count);
         for &reference in references {
-            let Row { quantity: Some(quantity), element, .. } = self.row(reference, Type::String)? else {
+            let Row { quantity: Some(quantity), element, .. } = self.row(reference, BaseType::String)? else {
                 continue;
             };
             let elements = (element as usize..).take(self.length(reference)?);
@@ -162,8 +162,8 @@ impl<M: Model> Slave<M> {
     fn check_settable(&self, reference: u32, row: Row<M::Quantity>) -> Answer<()> {
         let before = matches!(self.phase, Phase::Instantiated | Phase::Initialization);
         let when = match row.role {
-            _ if row.of == Type::Size && self.phase == Phase::Configuration => return Ok(()),
-            _ if row.of == Type::Size => "outside Configuration Mode",
+            _ if row.of == BaseType::Size && self.phase == Phase::Configuration => return Ok(()),
+            _ if row.of == BaseType::Size => "outside Configuration Mode",
             _ if self.phase == Phase::Configuration => "in Configuration Mode",
             Role::Input => return Ok(()),
             Role::Parameter | Role::Exact if before => return Ok(()),
@@ -189,7 +189,7 @@ impl<M: Model> Slave<M> {
             let (these, others) = rest.split_at(self.length(reference)?);
             for (element, &value) in these.iter().enumerate() {
                 if let Err(must) = row.domain.check(value) {
-                    let value = if matches!(of, Type::Integer | Type::Size) {
+                    let value = if matches!(of, BaseType::Integer | BaseType::Size) {
                         format!("{value:.0}")
                     } else {
                         format!("{value:?}")
@@ -224,10 +224,10 @@ impl<M: Model> Slave<M> {
     /// The same as of [`Slave::set`]; a text is not a value of its variable.
     pub fn set_strings(&mut self, references: &[u32], values: &[&str]) -> Answer<()> {
         self.check(Function::Set)?;
-        self.check_count(references, Type::String, values.len())?;
+        self.check_count(references, BaseType::String, values.len())?;
         let mut texts = Vec::with_capacity(references.len());
         for (&reference, &value) in references.iter().zip(values) {
-            let row = self.row(reference, Type::String)?;
+            let row = self.row(reference, BaseType::String)?;
             self.check_settable(reference, row)?;
             texts.extend(row.quantity.map(|quantity| (quantity, value)));
         }
@@ -246,10 +246,10 @@ impl<M: Model> Slave<M> {
         values: &mut [f64],
     ) -> Answer<()> {
         self.check(Function::GetOutputDerivatives)?;
-        self.check_count(references, Type::Real, values.len())?;
+        self.check_count(references, BaseType::Real, values.len())?;
         let mut found = Vec::with_capacity(values.len());
         for (&reference, &order) in references.iter().zip(orders) {
-            let row = self.row(reference, Type::Real)?;
+            let row = self.row(reference, BaseType::Real)?;
             if order != 1 {
                 let name = self.name(reference, None);
                 return refuse(format!("the derivative of order {order} of {name}: only order 1 is known"));
@@ -286,7 +286,7 @@ impl<M: Model> Slave<M> {
             return refuse("canInterpolateInputs is false: inputs are held over a step");
         }
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            let row = self.row(reference, Type::Real)?;
+            let row = self.row(reference, BaseType::Real)?;
             let name = || self.name(reference, None);
             if row.role != Role::Input {
                 return refuse(format!("{} is not an input, so its derivative cannot be set", name()));
@@ -302,7 +302,7 @@ impl<M: Model> Slave<M> {
             }
         }
         for (&reference, &value) in references.iter().zip(values) {
-            let row = self.row(reference, Type::Real)?;
+            let row = self.row(reference, BaseType::Real)?;
             if let Some(quantity) = row.quantity {
                 self.model.set_rate(quantity, row.element as usize, value);
             }

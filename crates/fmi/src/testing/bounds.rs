@@ -1,7 +1,7 @@
 //! Asks a model whether it keeps the bounds that its descriptions declare.
 
 use crate::variables::Number;
-use crate::{Format, Function, Model, Phase, Slave, Version, description, guid, instantiation_token};
+use crate::{FmuFormat, Function, Model, Phase, Slave, Version, description, guid, instantiation_token};
 use std::collections::HashMap;
 
 /// Each variable that can be set: type, value reference, least and greatest value.
@@ -64,7 +64,7 @@ fn accepts<M: Model, N: Number>(slave: &mut Slave<M>, reference: u32, length: us
 
 /// Asserts, for both versions of FMI, that each number within the declared bounds is accepted, and each beyond refused.
 pub fn are_kept<M: Model>(make: impl Fn() -> M) {
-    for (version, format) in [(Version::V2, Format::default()), (Version::V3, Format::Fmi3)] {
+    for (version, format) in [(Version::V2, FmuFormat::default()), (Version::V3, FmuFormat::Fmi3)] {
         let mut model = make();
         let xml = description::model_description(&mut model, format).unwrap_or_else(|why| panic!("{why}"));
         let token = if version == Version::V2 { guid(&model.scalars()) } else { instantiation_token::<M>() };

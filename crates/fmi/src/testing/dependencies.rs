@@ -1,7 +1,7 @@
 //! Compares the dependencies that a model declares with what moves when a known number is changed.
 
-use crate::variables::{Dimension, Kind, Known, Role, Variable};
-use crate::{Format, Model, Phase, Slave, description, instantiation_token, reference};
+use crate::variables::{Dimension, Known, Role, Variable, VariableType};
+use crate::{FmuFormat, Model, Phase, Slave, description, instantiation_token, reference};
 use std::collections::{BTreeSet, HashMap};
 
 /// Names of variables of FMI 3.0: what is computed, and on what it depends.
@@ -43,7 +43,7 @@ pub fn moved<M: Model>(make: impl Fn() -> M, known: Known) -> Pairs {
         Known::Inputs => matches!(role, Role::Calculated | Role::Exact),
     };
     let kind = if known == Known::Starts { "InitialUnknown" } else { "Output" };
-    let [xml2, xml3] = [Format::default(), Format::Fmi3].map(|format| {
+    let [xml2, xml3] = [FmuFormat::default(), FmuFormat::Fmi3].map(|format| {
         description::model_description(&mut model, format).unwrap_or_else(|why| panic!("{why}"))
     });
     let list = &xml2[xml2.find(&format!("<{kind}s>")).unwrap()..xml2.find(&format!("</{kind}s>")).unwrap()];
@@ -57,7 +57,7 @@ pub fn moved<M: Model>(make: impl Fn() -> M, known: Known) -> Pairs {
     };
     let token = instantiation_token::<M>().to_string();
     let slave = Slave::new(make(), crate::Version::V3, &token).unwrap_or_else(|why| panic!("{why}"));
-    let number_of = |variable: &&Variable<M::Quantity>| variable.kind != Kind::String;
+    let number_of = |variable: &&Variable<M::Quantity>| variable.kind != VariableType::String;
     let unknowns: Vec<_> =
         M::VARIABLES.iter().filter(|variable| is_unknown(variable.role)).filter(number_of).collect();
     let read = |model: &mut M| {
@@ -73,8 +73,8 @@ pub fn moved<M: Model>(make: impl Fn() -> M, known: Known) -> Pairs {
         for element in 0..length(&model, on) {
             let own = model.number(on.quantity, element).unwrap_or_else(|why| panic!("{why}"));
             let others = match on.kind {
-                Kind::Boolean => vec![1.0 - own],
-                Kind::Integer => vec![own - 1.0, own + 1.0],
+                VariableType::Boolean => vec![1.0 - own],
+                VariableType::Integer => vec![own - 1.0, own + 1.0],
                 _ => vec![own - 0.5, own - 0.1, own + 0.1, own + 0.5, 0.7 * own, 1.3 * own],
             };
             for other in others.into_iter().filter(|other| on.domain.check(*other).is_ok()) {
@@ -119,7 +119,7 @@ pub fn moved<M: Model>(make: impl Fn() -> M, known: Known) -> Pairs {
 /// The pairs that the description of FMI 3.0 declares, of numbers.
 pub fn declared_pairs<M: Model>(model: &mut M, known: Known) -> Pairs {
     let kind = if known == Known::Starts { "InitialUnknown" } else { "Output" };
-    let xml = description::model_description(model, Format::Fmi3).unwrap_or_else(|why| panic!("{why}"));
+    let xml = description::model_description(model, FmuFormat::Fmi3).unwrap_or_else(|why| panic!("{why}"));
     let by_reference = |wanted: usize| {
         M::VARIABLES.iter().find(|of| reference::<M>(of.quantity) == Some(wanted as u32)).expect("a variable")
     };
@@ -127,7 +127,7 @@ pub fn declared_pairs<M: Model>(model: &mut M, known: Known) -> Pairs {
     for (unknown, on) in declared(&xml, kind, "valueReference") {
         for on in on.expect("a list") {
             let (unknown, on) = (by_reference(unknown), by_reference(on));
-            if unknown.kind != Kind::String && on.kind != Kind::String {
+            if unknown.kind != VariableType::String && on.kind != VariableType::String {
                 pairs.insert((unknown.name, on.name));
             }
         }

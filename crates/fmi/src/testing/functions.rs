@@ -11,7 +11,7 @@ use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
 
 /// Gives arguments to a function, one after the other.
-pub trait Source {
+pub trait ArgumentSource {
     /// The bits of a number of this type.
     fn number(&mut self, of: TypeId) -> u64;
     /// A pointer of this type, to an array or to a place of values; or NULL.
@@ -25,7 +25,7 @@ pub struct Probe<F> {
     /// Number of pointers that it takes, besides the instance.
     pub pointers: usize,
     /// Calls it on an instance or NULL, with arguments from a source.
-    pub with: fn(&F, *mut c_void, &mut dyn Source) -> Option<Status>,
+    pub with: fn(&F, *mut c_void, &mut dyn ArgumentSource) -> Option<Status>,
 }
 
 impl<F> Probe<F> {
@@ -42,7 +42,7 @@ struct Zeros {
     room: [u64; 32],
 }
 
-impl Source for Zeros {
+impl ArgumentSource for Zeros {
     fn number(&mut self, of: TypeId) -> u64 {
         u64::from(of == TypeId::of::<usize>())
     }
@@ -56,13 +56,13 @@ impl Source for Zeros {
 
 trait Argument: Sized {
     const POINTERS: usize = 0;
-    fn make(source: &mut dyn Source) -> Self;
+    fn make(source: &mut dyn ArgumentSource) -> Self;
 }
 
 macro_rules! plain {
     ($($type:ty = $from:expr),*) => {
         $(impl Argument for $type {
-            fn make(source: &mut dyn Source) -> Self {
+            fn make(source: &mut dyn ArgumentSource) -> Self {
                 $from(source.number(TypeId::of::<$type>()))
             }
         })*
@@ -79,7 +79,7 @@ plain!(
 impl<T: 'static> Argument for *mut T {
     const POINTERS: usize = 1;
 
-    fn make(source: &mut dyn Source) -> Self {
+    fn make(source: &mut dyn ArgumentSource) -> Self {
         source.pointer(TypeId::of::<*mut T>()).cast()
     }
 }
@@ -87,7 +87,7 @@ impl<T: 'static> Argument for *mut T {
 impl<T: 'static> Argument for *const T {
     const POINTERS: usize = 1;
 
-    fn make(source: &mut dyn Source) -> Self {
+    fn make(source: &mut dyn ArgumentSource) -> Self {
         source.pointer(TypeId::of::<*const T>()).cast_const().cast()
     }
 }

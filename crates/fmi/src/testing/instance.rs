@@ -6,21 +6,13 @@
 
 use crate::testing::functions::{fmi2, fmi3};
 use crate::v2::CallbackFunctions;
-use crate::{Model, Status};
+use crate::{Model, Status, Version};
 use libloading::Library;
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::path::Path;
 use std::ptr::{null, null_mut};
 use std::sync::{Mutex, PoisonError};
-
-/// A version of FMI.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs)]
-pub enum Version {
-    V2,
-    V3,
-}
 
 impl Version {
     /// Both.
@@ -38,33 +30,33 @@ impl Version {
 /// The C functions of a version.
 #[derive(Clone)]
 #[allow(missing_docs)]
-pub enum Functions {
+pub enum VersionFunctions {
     V2(Box<fmi2::Functions>),
     V3(Box<fmi3::Functions>),
 }
 
-impl Functions {
+impl VersionFunctions {
     /// Those of a shared library, which must stay loaded while they are called.
-    pub fn of(library: &Library, version: Version) -> Functions {
+    pub fn of(library: &Library, version: Version) -> VersionFunctions {
         match version {
-            Version::V2 => Functions::V2(Box::new(fmi2::Functions::of(library))),
-            Version::V3 => Functions::V3(Box::new(fmi3::Functions::of(library))),
+            Version::V2 => VersionFunctions::V2(Box::new(fmi2::Functions::of(library))),
+            Version::V3 => VersionFunctions::V3(Box::new(fmi3::Functions::of(library))),
         }
     }
 
     /// Those of a model, without a library.
-    pub fn of_model<M: Model>(version: Version) -> Functions {
+    pub fn of_model<M: Model>(version: Version) -> VersionFunctions {
         match version {
-            Version::V2 => Functions::V2(Box::new(fmi2::Functions::of_model::<M>())),
-            Version::V3 => Functions::V3(Box::new(fmi3::Functions::of_model::<M>())),
+            Version::V2 => VersionFunctions::V2(Box::new(fmi2::Functions::of_model::<M>())),
+            Version::V3 => VersionFunctions::V3(Box::new(fmi3::Functions::of_model::<M>())),
         }
     }
 
     /// The version.
     pub fn version(&self) -> Version {
         match self {
-            Functions::V2(_) => Version::V2,
-            Functions::V3(_) => Version::V3,
+            VersionFunctions::V2(_) => Version::V2,
+            VersionFunctions::V3(_) => Version::V3,
         }
     }
 }
@@ -201,25 +193,25 @@ pub struct Stepped {
 }
 
 /// An instance; freed when dropped.
-pub struct Instance {
+pub struct TestInstance {
     /// Pointer that the functions take.
     pub raw: *mut c_void,
     /// The functions.
-    pub functions: Functions,
+    pub functions: VersionFunctions,
     environment: Box<Environment>,
     /// Pointers of the next calls that are NULL, one bit each.
     pub nulls: Cell<u8>,
 }
 
 // SAFETY: FMI lets instances move between threads; callbacks stay on the thread that they were given on.
-unsafe impl Send for Instance {}
+unsafe impl Send for TestInstance {}
 
-impl Drop for Instance {
+impl Drop for TestInstance {
     fn drop(&mut self) {
         // SAFETY: given back once.
         match &self.functions {
-            Functions::V2(c) => unsafe { (c.fmi2FreeInstance)(self.raw) },
-            Functions::V3(c) => unsafe { (c.fmi3FreeInstance)(self.raw) },
+            VersionFunctions::V2(c) => unsafe { (c.fmi2FreeInstance)(self.raw) },
+            VersionFunctions::V3(c) => unsafe { (c.fmi3FreeInstance)(self.raw) },
         }
     }
 }
@@ -229,8 +221,8 @@ macro_rules! call {
     ($self:ident, $v2:ident / $v3:ident $(, $argument:expr)*) => {
         // SAFETY: an instance, and arrays as long as said, or NULL.
         match &$self.functions {
-            Functions::V2(c) => unsafe { (c.$v2)($self.raw $(, $argument)*) },
-            Functions::V3(c) => unsafe { (c.$v3)($self.raw $(, $argument)*) },
+            VersionFunctions::V2(c) => unsafe { (c.$v2)($self.raw $(, $argument)*) },
+            VersionFunctions::V3(c) => unsafe { (c.$v3)($self.raw $(, $argument)*) },
         }
     };
 }
@@ -242,20 +234,23 @@ macro_rules! values {
         let (values, length) = ($values, $length);
         // SAFETY: an instance, and arrays as long as said, or NULL.
         match &$self.functions {
-            Functions::V2(c) => {
+            VersionFunctions::V2(c) => {
                 assert_eq!(count, length, "FMI 2.0 has a value for each reference");
                 unsafe { (c.$v2)($self.raw, at, count, values) }
             }
-            Functions::V3(c) => unsafe { (c.$v3)($self.raw, at, count, values, length) },
+            VersionFunctions::V3(c) => unsafe { (c.$v3)($self.raw, at, count, values, length) },
         }
     }};
 }
 
 mod values;
 
-impl Instance {
+impl TestInstance {
     /// Makes an instance, or returns what was told.
-    pub fn new(functions: &Functions, arguments: &Arguments<'_>) -> Result<Instance, Vec<Message>> {
+    pub fn new(
+        functions: &VersionFunctions,
+        arguments: &Arguments<'_>,
+    ) -> Result<TestInstance, Vec<Message>> {
         let environment = Box::<Environment>::default();
         let at = std::ptr::from_ref(&*environment).cast_mut().cast();
         let text = |text: Option<&CStr>| text.map_or(null(), CStr::as_ptr);
@@ -264,7 +259,7 @@ impl Instance {
         // SAFETY: texts that end in a zero, or NULL. Importers may keep the callbacks on the stack.
         let raw = unsafe {
             match functions {
-                Functions::V2(c) => {
+                VersionFunctions::V2(c) => {
                     // The same arguments in the same places: see `Logger2`.
                     let logger = std::mem::transmute::<Logger2, crate::Logger2>(log2);
                     let callbacks = CallbackFunctions {
@@ -275,7 +270,7 @@ impl Instance {
                     let kind = arguments.fmu_type;
                     (c.fmi2Instantiate)(name, kind, token, location, &callbacks, 0, logging_on.into())
                 }
-                Functions::V3(c) => (c.fmi3InstantiateCoSimulation)(
+                VersionFunctions::V3(c) => (c.fmi3InstantiateCoSimulation)(
                     name,
                     token,
                     location,
@@ -294,18 +289,18 @@ impl Instance {
         if raw.is_null() {
             return Err(environment.messages.into_inner().unwrap_or_else(PoisonError::into_inner));
         }
-        Ok(Instance { raw, functions: functions.clone(), environment, nulls: Cell::new(0) })
+        Ok(TestInstance { raw, functions: functions.clone(), environment, nulls: Cell::new(0) })
     }
 
     /// The functions of FMI 2.0.
     pub fn v2(&self) -> &fmi2::Functions {
-        let Functions::V2(c) = &self.functions else { panic!("an instance of FMI 3.0") };
+        let VersionFunctions::V2(c) = &self.functions else { panic!("an instance of FMI 3.0") };
         c
     }
 
     /// The functions of FMI 3.0.
     pub fn v3(&self) -> &fmi3::Functions {
-        let Functions::V3(c) = &self.functions else { panic!("an instance of FMI 2.0") };
+        let VersionFunctions::V3(c) = &self.functions else { panic!("an instance of FMI 2.0") };
         c
     }
 
@@ -358,7 +353,7 @@ impl Instance {
 
     /// Sets up an experiment from a start time \[s\], in FMI 2.0 only.
     pub fn set_up(&self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {
-        let Functions::V2(c) = &self.functions else { return Status::Ok };
+        let VersionFunctions::V2(c) = &self.functions else { return Status::Ok };
         let defined = (c_int::from(tolerance.is_some()), c_int::from(stop.is_some()));
         let (tolerance, stop) = (tolerance.unwrap_or(f64::NAN), stop.unwrap_or(f64::NAN));
         // SAFETY: an instance.
@@ -375,8 +370,8 @@ impl Instance {
         let (tolerance, stop) = (tolerance.unwrap_or(f64::NAN), stop.unwrap_or(f64::NAN));
         // SAFETY: an instance.
         match &self.functions {
-            Functions::V2(c) => unsafe { (c.fmi2EnterInitializationMode)(self.raw) },
-            Functions::V3(c) => unsafe {
+            VersionFunctions::V2(c) => unsafe { (c.fmi2EnterInitializationMode)(self.raw) },
+            VersionFunctions::V3(c) => unsafe {
                 (c.fmi3EnterInitializationMode)(self.raw, defined.0, tolerance, start, defined.1, stop)
             },
         }
@@ -422,8 +417,8 @@ impl Instance {
         let (count, at) = (pointers.len(), self.or_null(0, pointers.as_ptr()));
         // SAFETY: an instance, and as many texts as said, or NULL.
         match &self.functions {
-            Functions::V2(c) => unsafe { (c.fmi2SetDebugLogging)(self.raw, on.into(), count, at) },
-            Functions::V3(c) => unsafe { (c.fmi3SetDebugLogging)(self.raw, on, count, at) },
+            VersionFunctions::V2(c) => unsafe { (c.fmi2SetDebugLogging)(self.raw, on.into(), count, at) },
+            VersionFunctions::V3(c) => unsafe { (c.fmi3SetDebugLogging)(self.raw, on, count, at) },
         }
     }
 
@@ -432,11 +427,11 @@ impl Instance {
         let (mut event, mut terminate, mut early, mut time) = (true, true, true, f64::NAN);
         // SAFETY: an instance, and places of values or NULL.
         match &self.functions {
-            Functions::V2(c) => {
+            VersionFunctions::V2(c) => {
                 let status = unsafe { (c.fmi2DoStep)(self.raw, from, step, 1) };
                 Stepped { status, early: false, time: from + step }
             }
-            Functions::V3(c) => {
+            VersionFunctions::V3(c) => {
                 let status = unsafe {
                     (c.fmi3DoStep)(
                         self.raw,

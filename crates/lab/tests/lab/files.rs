@@ -1,7 +1,7 @@
 //! Uploads and files to keep.
 
 use crate::*;
-use lemons_core::files::source::Disk;
+use lemons_core::files::source::LocalFiles;
 use lemons_scenario::{MOST_PEOPLE, Scenario};
 use std::collections::BTreeSet;
 use std::io::Read as _;
@@ -283,9 +283,9 @@ fn a_scenario_is_made_as_elsewhere() {
         let mut lab = Lab::default();
         ok_of(&mut lab, show(base, json!({"kind": "own"})), &bytes);
         let (_, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
-        let scenario = Scenario::read(&Disk, &file).unwrap();
+        let scenario = Scenario::read(&LocalFiles, &file).unwrap();
         let mut watch = |_: &_| ControlFlow::Continue(());
-        let made = scenario.documents(&stem, MOST_PEOPLE, &Disk, &mut watch).unwrap();
+        let made = scenario.documents(&stem, MOST_PEOPLE, &LocalFiles, &mut watch).unwrap();
         let mut expected = made.trial.texts(Path::new(&stem));
         expected.extend(
             made.beside().unwrap().into_iter().map(|(name, text)| (Path::new(&stem).join(name), text)),

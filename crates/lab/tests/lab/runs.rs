@@ -4,7 +4,7 @@ use crate::*;
 use lemons_core::plane::{Bounds, Vec2, vec2};
 use lemons_core::trial::Wall;
 use lemons_picture::{DENSITY_KERNEL, DensityMap};
-use lemons_results::measure::Exposure;
+use lemons_results::measure::SqueezeOverTime;
 
 #[test]
 fn a_pulse_gives_its_momentum_to_those_in_the_circle() {
@@ -287,7 +287,7 @@ fn time_above_a_limit_is_that_of_the_library() {
         assert!(close(number(name), expected, 1e-9), "{name}: {seen}");
     }
     // The same to the bit as of a library that gets all at once.
-    let mut exposure = Exposure::new(2, &[300.0], Some(1.0));
+    let mut exposure = SqueezeOverTime::new(2, &[300.0], Some(1.0));
     for (k, frame) in frames.iter().enumerate() {
         let squeeze = frame.map(|squeeze| squeeze.is_finite().then_some((squeeze, squeeze)));
         exposure.add(k as f64 * step, squeeze.into_iter());

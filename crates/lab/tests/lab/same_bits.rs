@@ -1,13 +1,15 @@
 //! One physics: a simulation in memory, FMUs of FMI 2.0 and 3.0 and the lab give the same bits.
 
 use crate::{advance, ask, ok, opened};
-use crowd_mechanics::pack::Format;
+use crowd_mechanics::pack::FmuFormat;
 use lemons_core::trial::{DriveChoice, Problems, Rule};
 use lemons_decision::{DecisionConfig, pack};
 use lemons_lab::Lab;
 use lemons_lab::frame::{COLUMNS, frame};
 use lemons_master::ssp::{Participant, write_archive};
-use lemons_master::{PlanChoice, Prepared, Settings, TrialInput, binary_beside, documents_of, own_binary};
+use lemons_master::{
+    PlanChoice, PreparedSystem, RunSettings, TrialInput, binary_beside, documents_of, own_binary,
+};
 use lemons_people::zip_trial;
 use lemons_results::Frame;
 use lemons_results::columns::{Groups, row_of};
@@ -43,7 +45,7 @@ fn of_simulation(documents: &Documents, algorithm: Algorithm, clock: &Clock) -> 
 }
 
 /// The bits of the FMUs that `lemons pack`, `decide` and `connect` would make.
-fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -> Bits {
+fn of_fmus(scene: &Scene, format: FmuFormat, algorithm: Algorithm, clock: &Clock) -> Bits {
     let directory = TempDir::new().unwrap();
     let crowd = directory.path().join("crowd.fmu");
     let given = TrialInput::open(&scene.directory).unwrap();
@@ -54,11 +56,11 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
         Some(_) => coupled(directory.path(), &scene.documents, format, crowd),
     };
     let settings =
-        Settings { until: Some(clock.until), step: Some(clock.step), algorithm, ..Settings::of(input) };
-    let mut run = Prepared::of(&settings).unwrap();
+        RunSettings { until: Some(clock.until), step: Some(clock.step), algorithm, ..RunSettings::of(input) };
+    let mut run = PreparedSystem::of(&settings).unwrap();
     let agents = scene.documents.trial.agents.len();
     let groups = Groups { active: true, ..Groups::default() };
-    let see = |run: &Prepared| -> Vec<[u64; 6]> {
+    let see = |run: &PreparedSystem| -> Vec<[u64; 6]> {
         let crowd = run.system.components.iter().find(|component| component.name == "crowd").unwrap();
         let names = groups.variables(agents).into_iter().map(|(name, _)| name);
         let values: Vec<f64> = crowd.instance.values(&crowd.instance.select(names).unwrap()).unwrap();
@@ -72,7 +74,7 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
     all
 }
 
-fn coupled(directory: &Path, documents: &Documents, format: Format, crowd: PathBuf) -> PathBuf {
+fn coupled(directory: &Path, documents: &Documents, format: FmuFormat, crowd: PathBuf) -> PathBuf {
     let decision = directory.join("decision.fmu");
     let binary = binary_beside("lemons_decision_fmu").unwrap();
     pack::write_fmu(
@@ -140,7 +142,7 @@ impl Scene {
             assert_eq!(own.len() as u64, clock.steps + 1);
             let (first, last) = (&own[0], &own[own.len() - 1]);
             assert!(first.iter().zip(last).any(|(first, last)| first != last), "somebody moves");
-            for format in [Format::default(), Format::Fmi3] {
+            for format in [FmuFormat::default(), FmuFormat::Fmi3] {
                 assert!(own == of_fmus(self, format, algorithm, &clock), "{algorithm} {format:?}");
             }
             if algorithm == Algorithm::Jacobi {

@@ -1,7 +1,7 @@
 //! Where an FMU finds its resources: as an URI in FMI 2.0, as a path in FMI 3.0.
 
 use super::c_text;
-use crate::error::{Error, Place, Result};
+use crate::error::{ErrorPlace, MasterError, Result};
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_encode};
 use std::ffi::CString;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
@@ -43,7 +43,7 @@ fn uri_of(path: &[u8], windows: bool) -> String {
 /// The directory, with a separator at its end, as FMI 3.0 wants it.
 pub(super) fn path_text(directory: &Path) -> Result<CString> {
     let path = absolute(directory)?;
-    let text = path.to_str().ok_or_else(|| Error::new(format!("{}: is not UTF-8", path.display())))?;
+    let text = path.to_str().ok_or_else(|| MasterError::new(format!("{}: is not UTF-8", path.display())))?;
     let text = format!("{}{MAIN_SEPARATOR}", text.trim_end_matches(MAIN_SEPARATOR));
     c_text(&text, || text.clone())
 }

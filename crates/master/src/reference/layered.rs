@@ -3,11 +3,11 @@
 //! (<https://github.com/modelica/ma-hs-experiments>).
 
 use super::Experiment;
-use crate::error::{Place, Result, require};
+use crate::error::{ErrorPlace, Result, require};
 use crate::fmu::Fmu;
 use crate::ssp::Interface;
 use lemons_core::files::input;
-use lemons_core::xml::{Document, Element, Layout, Out, number};
+use lemons_core::xml::{Document, Element, Layout, XmlWriter, number};
 use lemons_sim::Clock;
 use percent_encoding::percent_decode_str;
 use std::path::{Path, PathBuf};
@@ -60,7 +60,7 @@ pub(super) fn manifest(stimuli: bool) -> String {
         (CSV, STIMULI, "other", "Inputs of this run"),
         (CSV, RESULTS, "result", "Outputs of this run"),
     ];
-    Out::document(Layout::STANDARD, "fmiReferences", &attributes, |out| {
+    XmlWriter::document(Layout::STANDARD, "fmiReferences", &attributes, |out| {
         for (of, source, role, description) in related.into_iter().filter(|it| stimuli || it.1 != STIMULI) {
             let own = [("type", of), ("source", source), ("role", role), ("description", description)];
             out.empty("Related", &own);
@@ -74,7 +74,7 @@ pub(super) fn experiments(name: &str, clock: Clock, experiment: &Experiment, sti
     let tolerance = experiment.tolerance.map(number);
     let own: Vec<_> =
         [("name", name)].into_iter().chain(tolerance.iter().map(|it| ("tolerance", &it[..]))).collect();
-    Out::document(Layout::STANDARD, "Experiments", &[("name", "reference")], |out| {
+    XmlWriter::document(Layout::STANDARD, "Experiments", &[("name", "reference")], |out| {
         out.element("Experiment", &own, |out| {
             let times = [("startTime", &start[..]), ("stopTime", &stop), ("stepSize", &step)];
             out.empty("TransientSimulation", &times);

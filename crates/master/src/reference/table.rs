@@ -1,8 +1,8 @@
 //! Inputs or outputs of an FMU over time, in CSV as the tools page of fmi-standard.org wants it: names in double quotes, a
 //! column for each variable, the elements of an array between spaces, Booleans as 0 and 1.
 
-use crate::error::{Error, Place, Result, require};
-use crate::ssp::{Interface, Kind, Single, Type, Variable};
+use crate::error::{ErrorPlace, MasterError, Result, require};
+use crate::ssp::{Causality, FmiType, FmuVariable, Interface, Single};
 use lemons_core::files::input;
 use lemons_core::xml::{decimal, quoted};
 use std::fmt::Write;
@@ -33,17 +33,17 @@ pub(super) struct Table {
 }
 
 /// Returns whether values of a variable are numbers, which a table can hold.
-pub(super) fn is_number(variable: &Variable) -> bool {
-    !matches!(variable.of.class(), Type::String | Type::Binary | Type::Clock)
+pub(super) fn is_number(variable: &FmuVariable) -> bool {
+    !matches!(variable.of.class(), FmiType::String | FmiType::Binary | FmiType::Clock)
 }
 
 impl Table {
     /// Makes a table without rows.
-    pub fn of<'a>(variables: impl IntoIterator<Item = &'a Variable>) -> Table {
-        let column = |variable: &Variable| Column {
+    pub fn of<'a>(variables: impl IntoIterator<Item = &'a FmuVariable>) -> Table {
+        let column = |variable: &FmuVariable| Column {
             name: variable.name.clone(),
             count: variable.count(),
-            real: variable.of.class() == Type::Real,
+            real: variable.of.class() == FmiType::Real,
         };
         Table { columns: variables.into_iter().map(column).collect(), ..Table::default() }
     }
@@ -126,14 +126,14 @@ impl Table {
     ///
     /// # Errors
     /// It cannot be read or is too large, a column is no such variable, a value is not a number, times do not ascend.
-    pub fn read(path: &Path, shown: &Path, interface: &Interface, kind: Kind) -> Result<Table> {
-        let at = |line: u64, what: String| Error::new(format!("{}:{line}: {what}", shown.display()));
+    pub fn read(path: &Path, shown: &Path, interface: &Interface, kind: Causality) -> Result<Table> {
+        let at = |line: u64, what: String| MasterError::new(format!("{}:{line}: {what}", shown.display()));
         let file = input::open_bounded(path, LARGEST).place(|| shown.display().to_string())?;
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(file);
         let header = reader.headers().place(|| shown.display().to_string())?.clone();
         let first = header.get(0).map(|name| name.trim_start_matches('\u{feff}').trim_matches('"'));
         require(first == Some("time"), || at(1, "the first column must be \"time\"".into()))?;
-        let mut variables: Vec<&Variable> = Vec::new();
+        let mut variables: Vec<&FmuVariable> = Vec::new();
         for name in header.iter().skip(1) {
             let variable = interface.variable(name).filter(|it| it.kind == Some(kind) && is_number(it));
             let none =
@@ -199,7 +199,7 @@ mod tests {
         assert_eq!(text, "\"time\",\"a\"\"b\",\"on\"\n0.0,1.0 -0.0,0\n0.1,0.3333333333333333 1e300,1\n");
         let path = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(&path, format!("\u{feff}{text}")).unwrap();
-        let read = Table::read(path.path(), Path::new("x.csv"), &interface, Kind::Input).unwrap();
+        let read = Table::read(path.path(), Path::new("x.csv"), &interface, Causality::Input).unwrap();
         assert_eq!(read.csv(), text);
         for (time, expected) in [
             (-1.0, [1.0, 0.0, 0.0]),

@@ -1,6 +1,6 @@
 //! The `.ssp`: a zip of `SystemStructure.ssd` and what it names; how much may be unpacked.
 
-use crate::error::{Place, Result, require};
+use crate::error::{ErrorPlace, Result, require};
 use crate::ssp::document::{STRUCTURE_FILE, SystemStructure};
 use crate::ssp::read::read;
 use lemons_core::files::{Staged, input};
@@ -72,19 +72,19 @@ impl Allowance {
 }
 
 /// An archive that is being read.
-pub struct Archive {
+pub struct ArchiveReader {
     zip: ZipFile,
 }
 
-impl Archive {
+impl ArchiveReader {
     /// Opens an archive whose entries all lie inside of it.
     ///
     /// # Errors
     /// No archive there, or one with too many entries, with an entry that leads outside, or with two of one name.
-    pub fn open(path: &Path) -> Result<Archive> {
+    pub fn open(path: &Path) -> Result<ArchiveReader> {
         let zip = open_zip(path)?;
         Allowance::new(0).entries(zip.len())?;
-        Ok(Archive { zip: sound(zip)? })
+        Ok(ArchiveReader { zip: sound(zip)? })
     }
 
     /// Reads the default structure, with the parameter files that it names.

@@ -1,7 +1,7 @@
 //! Connections between variables of different names, which a user chooses.
 
-use crate::error::{Error, Result};
-use crate::ssp::document::Kind;
+use crate::error::{MasterError, Result};
+use crate::ssp::document::Causality;
 use crate::ssp::participant::Participant;
 use std::collections::HashMap;
 
@@ -21,7 +21,7 @@ impl<'a> Choice<'a> {
         chosen: &'a [(String, String)],
         participants: &'a [Participant<'a>],
     ) -> Result<Choice<'a>> {
-        let end = |name: &'a str, kind: Kind| {
+        let end = |name: &'a str, kind: Causality| {
             let found = name.split_once('.').and_then(|(component, variable)| {
                 let place = participants.iter().position(|participant| participant.name == component)?;
                 let first = variable.replace(EACH, "[0]");
@@ -31,12 +31,12 @@ impl<'a> Choice<'a> {
                 });
                 known.then_some((place, variable))
             });
-            found.ok_or_else(|| Error::new(format!("{name}: no component has this {}", kind.name())))
+            found.ok_or_else(|| MasterError::new(format!("{name}: no component has this {}", kind.name())))
         };
         let mut outputs = HashMap::new();
         for (from, to) in chosen {
-            if outputs.insert(end(to, Kind::Input)?, end(from, Kind::Output)?).is_some() {
-                return Err(Error::new(format!("{to}: two outputs are chosen for this input")));
+            if outputs.insert(end(to, Causality::Input)?, end(from, Causality::Output)?).is_some() {
+                return Err(MasterError::new(format!("{to}: two outputs are chosen for this input")));
             }
         }
         let chosen = Choice { outputs };
@@ -49,27 +49,31 @@ impl<'a> Choice<'a> {
     ///
     /// # Errors
     /// An input gets two outputs.
-    fn by_terminals(&self, participants: &'a [Participant<'a>]) -> Result<HashMap<Named<'a>, Named<'a>>> {
+    fn by_terminals(
+        &self,
+        participants: &'a [Participant<'a>],
+    ) -> Result<HashMap<VariableAt<'a>, VariableAt<'a>>> {
         let mut outputs = HashMap::new();
         let terminals = || {
             let each = participants.iter().enumerate();
             each.flat_map(|(place, of)| of.terminals.iter().map(move |terminal| (place, terminal)))
         };
-        let kind = |(place, name): Named| participants[place].interface.variable(name)?.kind;
+        let kind = |(place, name): VariableAt| participants[place].interface.variable(name)?.kind;
         for (from, terminal) in terminals() {
             for (to, other) in terminals().filter(|(to, _)| *to != from) {
                 for (output, input) in
                     terminal.pairs(other).into_iter().filter(|(output, input)| output != input)
                 {
                     let (output, input) = ((from, output), (to, input));
-                    let known = (kind(output), kind(input)) == (Some(Kind::Output), Some(Kind::Input));
+                    let known =
+                        (kind(output), kind(input)) == (Some(Causality::Output), Some(Causality::Input));
                     if !known || self.output_for(to, input.1.to_owned()).0.is_some() {
                         continue;
                     }
                     if let Some(first) = outputs.insert(input, output).filter(|first| *first != output) {
                         let [input, first, second] = [input, first, output]
                             .map(|(place, name)| format!("{}.{name}", participants[place].name));
-                        return Err(Error::new(format!(
+                        return Err(MasterError::new(format!(
                             "{input}: terminals give it two outputs, {first} and {second}; choose one of them"
                         )));
                     }
@@ -101,4 +105,4 @@ impl<'a> Choice<'a> {
 }
 
 /// A variable: the place of its participant, and its name.
-type Named<'a> = (usize, &'a str);
+type VariableAt<'a> = (usize, &'a str);

@@ -2,9 +2,9 @@
 
 use crate::error::{Result, require};
 use crate::ssp::choice::Choice;
-use crate::ssp::document::Kind;
-use crate::ssp::interface::{Single, Variable};
-use crate::ssp::participant::{End, Pair, Participant, owner};
+use crate::ssp::document::Causality;
+use crate::ssp::interface::{FmuVariable, Single};
+use crate::ssp::participant::{End, EndPair, Participant, owner};
 use crate::ssp::unit::{Affine, conversion};
 use crate::ssp::write::to_xml;
 use std::collections::HashMap;
@@ -35,7 +35,7 @@ pub fn connect(name: &str, participants: &[Participant], chosen: &[(String, Stri
     let choice = Choice::read(chosen, participants)?;
     let mut outputs: HashMap<String, Vec<End>> = HashMap::new();
     for (place, participant) in participants.iter().enumerate() {
-        for (name, single) in values_of(participant, Kind::Output) {
+        for (name, single) in values_of(participant, Causality::Output) {
             outputs.entry(name).or_default().push((place, single));
         }
     }
@@ -44,7 +44,8 @@ pub fn connect(name: &str, participants: &[Participant], chosen: &[(String, Stri
     let mut unconnected = Vec::new();
     for (place, own) in participants.iter().enumerate() {
         let mut free = Vec::new();
-        let inputs = own.interface.variables.iter().filter(|variable| variable.kind == Some(Kind::Input));
+        let inputs =
+            own.interface.variables.iter().filter(|variable| variable.kind == Some(Causality::Input));
         for variable in inputs {
             let twice = |name: &str, first: usize, second: usize| {
                 let [first, second] = [first, second].map(|place| &participants[place].name);
@@ -79,7 +80,7 @@ pub fn connect(name: &str, participants: &[Participant], chosen: &[(String, Stri
                         single.filter(|(_, one, _)| looked_for.0.is_none() && *one != owner(&from));
                     problems.extend(other.next().map(|(second, _, name)| twice(&name, from.0, second)));
                     let to = (place, Single { variable, element: 0 });
-                    pairs.push(Pair { from, to, whole: true, name: variable.name.clone() });
+                    pairs.push(EndPair { from, to, whole: true, name: variable.name.clone() });
                     continue;
                 }
                 [first, second, ..] => {
@@ -87,7 +88,7 @@ pub fn connect(name: &str, participants: &[Participant], chosen: &[(String, Stri
                     continue;
                 }
             }
-            let mut of_input: Vec<Pair> = Vec::new();
+            let mut of_input: Vec<EndPair> = Vec::new();
             for element in 0..variable.count() {
                 let name = own.interface.name_of(variable, element);
                 let (chosen, output) = choice.output_for(place, name.clone());
@@ -104,7 +105,7 @@ pub fn connect(name: &str, participants: &[Participant], chosen: &[(String, Stri
                             problems.extend(disagreement(&name, source, (own, variable)));
                         }
                         let to = (place, Single { variable, element });
-                        of_input.push(Pair { from: *from, to, whole: false, name });
+                        of_input.push(EndPair { from: *from, to, whole: false, name });
                     }
                     [first, second, ..] => problems.push(twice(&name, first.0, second.0)),
                 }
@@ -123,18 +124,18 @@ pub fn connect(name: &str, participants: &[Participant], chosen: &[(String, Stri
         format!("{why}\n{}", participants.iter().map(summary).collect::<Vec<String>>().join("\n"))
     })?;
     let structure = to_xml(name, participants, &pairs)?;
-    let connection = |pair: Pair| (pair.from.0, pair.to.0, pair.name);
+    let connection = |pair: EndPair| (pair.from.0, pair.to.0, pair.name);
     Ok(Connected { structure, connections: pairs.into_iter().map(connection).collect(), unconnected })
 }
 
 /// Returns the arrays with a name, perhaps of one participant only, and the sizes of an input that is one.
 fn arrays_for<'a>(
-    input: &Variable,
+    input: &FmuVariable,
     (chosen, name): &(Option<usize>, String),
     participants: &[Participant<'a>],
 ) -> Vec<End<'a>> {
     let of = |(place, participant): (usize, &Participant<'a>)| {
-        let output = participant.interface.variable(name).filter(|of| of.kind == Some(Kind::Output))?;
+        let output = participant.interface.variable(name).filter(|of| of.kind == Some(Causality::Output))?;
         let alike = input.is_array() && output.is_array() && output.sizes() == input.sizes();
         alike.then_some((place, Single { variable: output, element: 0 }))
     };
@@ -145,7 +146,7 @@ fn arrays_for<'a>(
 /// Returns the values of a kind of variables, with their names.
 fn values_of<'a>(
     participant: &Participant<'a>,
-    kind: Kind,
+    kind: Causality,
 ) -> impl Iterator<Item = (String, Single<'a>)> + use<'a> {
     participant.interface.singles().filter(move |(_, single)| single.variable.kind == Some(kind))
 }
@@ -153,8 +154,8 @@ fn values_of<'a>(
 /// Returns why an output and an input of one name cannot be connected.
 fn disagreement(
     name: &str,
-    (source, output): (&Participant, &Variable),
-    (target, input): (&Participant, &Variable),
+    (source, output): (&Participant, &FmuVariable),
+    (target, input): (&Participant, &FmuVariable),
 ) -> Option<String> {
     let units = [source.interface.unit_of(output), target.interface.unit_of(input)];
     let why = match (output.of.check_sent_to(input.of), conversion(units[0], units[1])) {
@@ -170,7 +171,7 @@ fn disagreement(
 
 /// Outputs and inputs of a participant, a line each: the first few by name.
 fn summary(participant: &Participant) -> String {
-    let line = |kind: Kind| {
+    let line = |kind: Causality| {
         let names: Vec<String> = values_of(participant, kind).map(|(name, _)| name).collect();
         let shown = match names.len() {
             0 => String::new(),
@@ -179,5 +180,5 @@ fn summary(participant: &Participant) -> String {
         };
         format!("{}: {} {}s{shown}", participant.name, names.len(), kind.name())
     };
-    format!("{}\n{}", line(Kind::Output), line(Kind::Input))
+    format!("{}\n{}", line(Causality::Output), line(Causality::Input))
 }

@@ -1,7 +1,7 @@
 //! The content of `SystemStructure.ssd`.
 
-use crate::error::Error;
-use crate::ssp::unit::{Affine, Unit};
+use crate::error::MasterError;
+use crate::ssp::unit::{Affine, SspUnit};
 use lemons_core::xml::Problem;
 use serde::Deserialize;
 use serde::de::{self, value::StrDeserializer};
@@ -16,22 +16,22 @@ pub const STRUCTURE_FILE: &str = "SystemStructure.ssd";
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SystemStructure {
     /// In the order of the file, which is that of Gauss-Seidel.
-    pub components: Vec<Component>,
+    pub components: Vec<SspComponent>,
     /// From outputs to inputs.
     pub connections: Vec<Connection>,
     /// Units that connectors name, by name.
-    pub units: BTreeMap<String, Unit>,
+    pub units: BTreeMap<String, SspUnit>,
     /// \[s\] `DefaultExperiment`
     pub start: Option<f64>,
     /// \[s\] `DefaultExperiment`
     pub stop: Option<f64>,
     /// Values for variables; later ones count.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<SspParameter>,
 }
 
 /// An FMU in the system.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Component {
+pub struct SspComponent {
     /// Name, unique in the system.
     pub name: String,
     /// Where the FMU is: an URI, relative to the structure.
@@ -46,9 +46,9 @@ pub struct Component {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Connector {
     /// The variable's causality.
-    pub kind: Kind,
+    pub kind: Causality,
     /// The variable's type, if the file says it.
-    pub of: Option<Type>,
+    pub of: Option<FmiType>,
     /// A Real's, if it has one.
     pub unit: Option<String>,
     /// SSP 2.0: those of an array, from the outermost.
@@ -71,7 +71,7 @@ pub enum Extent {
 /// The purpose of a connector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)] // SSP's own names
-pub enum Kind {
+pub enum Causality {
     Input,
     Output,
     Parameter,
@@ -80,32 +80,32 @@ pub enum Kind {
     InOut,
 }
 
-impl Kind {
+impl Causality {
     /// SSP's names, which are FMI's.
-    const NAMES: [(&str, Kind); 6] = [
-        ("input", Kind::Input),
-        ("output", Kind::Output),
-        ("parameter", Kind::Parameter),
-        ("calculatedParameter", Kind::CalculatedParameter),
-        ("structuralParameter", Kind::StructuralParameter),
-        ("inout", Kind::InOut),
+    const NAMES: [(&str, Causality); 6] = [
+        ("input", Causality::Input),
+        ("output", Causality::Output),
+        ("parameter", Causality::Parameter),
+        ("calculatedParameter", Causality::CalculatedParameter),
+        ("structuralParameter", Causality::StructuralParameter),
+        ("inout", Causality::InOut),
     ];
 
     /// Returns the kind with this name.
-    pub fn named(name: &str) -> Option<Kind> {
-        Kind::NAMES.iter().find(|(known, _)| *known == name).map(|(_, kind)| *kind)
+    pub fn named(name: &str) -> Option<Causality> {
+        Causality::NAMES.iter().find(|(known, _)| *known == name).map(|(_, kind)| *kind)
     }
 
     /// Returns the name in the file.
     pub fn name(self) -> &'static str {
-        Kind::NAMES.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+        Causality::NAMES.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
     }
 }
 
 /// A type of variables: those of FMI 2.0 and of FMI 3.0, of which SSP takes both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Deserialize)]
 #[allow(missing_docs)] // FMI's own names
-pub enum Type {
+pub enum FmiType {
     #[default]
     Real,
     Integer,
@@ -126,24 +126,24 @@ pub enum Type {
     Clock,
 }
 
-impl fmt::Display for Type {
+impl fmt::Display for FmiType {
     /// Its name in FMI.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Debug::fmt(self, f)
     }
 }
 
-impl Type {
+impl FmiType {
     /// Returns the type with this name.
-    pub fn named(name: &str) -> Option<Type> {
-        Type::deserialize(StrDeserializer::<de::value::Error>::new(name)).ok()
+    pub fn named(name: &str) -> Option<FmiType> {
+        FmiType::deserialize(StrDeserializer::<de::value::Error>::new(name)).ok()
     }
 
     /// Returns the type of FMI 2.0 with such values; a Binary and a Clock, which it has not, are what they are.
-    pub fn class(self) -> Type {
+    pub fn class(self) -> FmiType {
         match self {
-            Type::Float64 | Type::Float32 => Type::Real,
-            of if (Type::Int8..=Type::UInt64).contains(&of) => Type::Integer,
+            FmiType::Float64 | FmiType::Float32 => FmiType::Real,
+            of if (FmiType::Int8..=FmiType::UInt64).contains(&of) => FmiType::Integer,
             of => of,
         }
     }
@@ -152,11 +152,13 @@ impl Type {
     ///
     /// # Errors
     /// A sentence with both, or with the type that is not served.
-    pub(crate) fn check_sent_to(self, input: Type) -> Result<(), String> {
+    pub(crate) fn check_sent_to(self, input: FmiType) -> Result<(), String> {
         let (from, to) = (self.class(), input.class());
         match from {
             _ if from != to => Err(format!("{from} does not become {to}")),
-            Type::Enumeration | Type::Binary | Type::Clock => Err(format!("type {from} is not served")),
+            FmiType::Enumeration | FmiType::Binary | FmiType::Clock => {
+                Err(format!("type {from} is not served"))
+            }
             _ => Ok(()),
         }
     }
@@ -190,17 +192,17 @@ pub struct Connection {
 
 /// A value for a variable, inline or from an `.ssv`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parameter {
+pub struct SspParameter {
     /// The place of the component that has the variable; `None`: it is in the name.
     pub component: Option<usize>,
     /// The variable's, with the binding's prefix: without a component, `component.variable`.
     pub name: String,
     /// Its type.
-    pub of: Type,
+    pub of: FmiType,
     /// A Real's, if it has one.
     pub unit: Option<String>,
     /// The definition of this unit, if the parameter set or the structure has one.
-    pub definition: Option<Unit>,
+    pub definition: Option<SspUnit>,
     /// The value that it is set to, checked: a value of this type.
     pub text: String,
     /// In the file.
@@ -209,13 +211,13 @@ pub struct Parameter {
 
 impl SystemStructure {
     /// Returns a connector and its component.
-    pub fn port(&self, port: &Port) -> (&Component, &Connector) {
+    pub fn port(&self, port: &Port) -> (&SspComponent, &Connector) {
         let component = &self.components[port.component];
         (component, &component.connectors[&port.connector])
     }
 }
 
 /// Makes an error at a place in a file.
-pub(crate) fn wrong_at(place: &Problem, message: impl Into<String>) -> Error {
+pub(crate) fn wrong_at(place: &Problem, message: impl Into<String>) -> MasterError {
     Problem { message: message.into(), ..place.clone() }.into()
 }

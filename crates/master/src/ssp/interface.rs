@@ -6,9 +6,9 @@ mod variables;
 pub(crate) use elements::{place_of, written};
 
 use crate::error::Result;
-use crate::ssp::document::{Kind, Type};
+use crate::ssp::document::{Causality, FmiType};
 use crate::ssp::read::read_units;
-use crate::ssp::unit::{Unit, UnitOf};
+use crate::ssp::unit::{SspUnit, UnitOf};
 use lemons_core::xml::{Document, Element};
 use lemons_fmi::Version;
 use std::collections::{BTreeMap, HashMap};
@@ -32,10 +32,10 @@ pub struct Interface {
     /// `None`: it is not for co-simulation.
     pub co_simulation: Option<CoSimulation>,
     /// In the order of the file.
-    pub variables: Vec<Variable>,
+    pub variables: Vec<FmuVariable>,
     /// By name, and by an FMI 3.0 `<Alias>`.
     places: HashMap<String, usize>,
-    units: BTreeMap<String, Unit>,
+    units: BTreeMap<String, SspUnit>,
     /// \[s\] `DefaultExperiment`
     pub start: Option<f64>,
     /// \[s\] `DefaultExperiment`
@@ -61,21 +61,21 @@ pub struct CoSimulation {
 
 /// A variable of an FMU.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Variable {
+pub struct FmuVariable {
     /// As the FMU calls it.
     pub name: String,
     /// The value reference.
     pub reference: u32,
     /// `None` for local and independent variables, and for what is known in Event Mode only.
-    pub kind: Option<Kind>,
+    pub kind: Option<Causality>,
     /// Its type.
-    pub of: Type,
+    pub of: FmiType,
     /// A Real's, if it has one.
     pub unit: Option<String>,
     /// The declared type of an Enumeration.
     pub enumeration: Option<String>,
     /// From the outermost; none for a single value. Elements are in row-major order.
-    pub dimensions: Vec<Dimension>,
+    pub dimensions: Vec<ArrayDimension>,
     /// `start`: none, one for all elements, or one for each.
     pub start: Vec<String>,
     /// `description`
@@ -84,14 +84,14 @@ pub struct Variable {
 
 /// A dimension of an array.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Dimension {
+pub struct ArrayDimension {
     /// The number of elements.
     pub size: usize,
     /// The structural parameter that says this number: its place among the variables.
     pub parameter: Option<usize>,
 }
 
-impl Variable {
+impl FmuVariable {
     /// Returns the number of its values.
     pub fn count(&self) -> usize {
         self.dimensions.iter().map(|dimension| dimension.size).product()
@@ -135,7 +135,7 @@ impl Variable {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Single<'a> {
     /// The variable of which it is one.
-    pub variable: &'a Variable,
+    pub variable: &'a FmuVariable,
     /// Among the values of the variable, from 0, in row-major order.
     pub element: usize,
 }
@@ -143,7 +143,7 @@ pub struct Single<'a> {
 impl Single<'_> {
     /// Returns whether it is a parameter.
     pub fn is_parameter(self) -> bool {
-        self.variable.kind == Some(Kind::Parameter)
+        self.variable.kind == Some(Causality::Parameter)
     }
 }
 
@@ -196,17 +196,17 @@ impl Interface {
     }
 
     /// Returns a variable by name, whole.
-    pub fn variable(&self, name: &str) -> Option<&Variable> {
+    pub fn variable(&self, name: &str) -> Option<&FmuVariable> {
         self.places.get(name).map(|&place| &self.variables[place])
     }
 
     /// Returns the definition of a unit.
-    pub fn unit(&self, name: &str) -> Option<&Unit> {
+    pub fn unit(&self, name: &str) -> Option<&SspUnit> {
         self.units.get(name)
     }
 
     /// Returns the unit of a variable.
-    pub fn unit_of<'a>(&'a self, variable: &'a Variable) -> UnitOf<'a> {
+    pub fn unit_of<'a>(&'a self, variable: &'a FmuVariable) -> UnitOf<'a> {
         let name = variable.unit.as_deref();
         (name, name.and_then(|name| self.unit(name)))
     }
@@ -265,9 +265,12 @@ mod tests {
     fn the_crowds_own_description_is_read() {
         let interface = Interface::read(include_bytes!("../../../../fmu/modelDescription.xml")).unwrap();
         let input = interface.variable("agent[2].Fp.x").unwrap();
-        assert_eq!((input.kind, input.of, input.unit.as_deref()), (Some(Kind::Input), Type::Real, Some("N")));
+        assert_eq!(
+            (input.kind, input.of, input.unit.as_deref()),
+            (Some(Causality::Input), FmiType::Real, Some("N"))
+        );
         assert_eq!(interface.unit("N").unwrap().exponents, [1, 1, -2, 0, 0, 0, 0, 0]);
-        assert_eq!(interface.variable("agent[2].AgentContacts").unwrap().of, Type::Integer);
+        assert_eq!(interface.variable("agent[2].AgentContacts").unwrap().of, FmiType::Integer);
         assert_eq!((interface.start, interface.stop, interface.step), (Some(0.0), Some(5.0), Some(0.05)));
         let own = interface.co_simulation.as_ref().unwrap();
         assert_eq!(own.identifier, "CrowdMechanics");

@@ -24,7 +24,7 @@ pub(super) fn owner<'a>((participant, single): &End<'a>) -> (usize, &'a str) {
 }
 
 /// Two ends to be connected: single values, or arrays as a whole.
-pub(super) struct Pair<'a> {
+pub(super) struct EndPair<'a> {
     pub(super) from: End<'a>,
     pub(super) to: End<'a>,
     pub(super) whole: bool,

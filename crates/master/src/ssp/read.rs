@@ -2,9 +2,10 @@
 
 use crate::error::{Result, require};
 use crate::ssp::document::{
-    Component, Connection, Connector, Extent, Kind, Parameter, Port, STRUCTURE_FILE, SystemStructure, Type,
+    Causality, Connection, Connector, Extent, FmiType, Port, STRUCTURE_FILE, SspComponent, SspParameter,
+    SystemStructure,
 };
-use crate::ssp::unit::{Affine, Unit};
+use crate::ssp::unit::{Affine, SspUnit};
 use lemons_core::xml::{Document, Element};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -55,7 +56,7 @@ pub(crate) fn read(bytes: &[u8], load: Load) -> Result<SystemStructure> {
 }
 
 /// Reads a component, but for its parameters.
-fn read_component(element: Element) -> Result<Component> {
+fn read_component(element: Element) -> Result<SspComponent> {
     let (name, source) = (element.text("name")?.to_owned(), element.text("source")?.to_owned());
     require(!name.is_empty(), || element.wrong("name", "must not be empty"))?;
     let is_fmu = element.optional("type").is_none_or(|of| of == FMU_TYPE);
@@ -63,21 +64,21 @@ fn read_component(element: Element) -> Result<Component> {
     let exchange = element.optional("implementation") == Some("ModelExchange");
     require(!exchange, || element.wrong("implementation", "is not served: only co-simulation is"))?;
     let (connectors, place) = (read_connectors(element)?, element.wrong("source", ""));
-    Ok(Component { name, source, connectors, place })
+    Ok(SspComponent { name, source, connectors, place })
 }
 
 /// The connectors of a component or of the system, by name.
 fn read_connectors(owner: Element) -> Result<BTreeMap<String, Connector>> {
     let mut connectors = BTreeMap::new();
     for element in owner.child("Connectors").into_iter().flat_map(|list| list.children("Connector")) {
-        let kind = Kind::named(element.text("kind")?);
+        let kind = Causality::named(element.text("kind")?);
         let typed = read_type(element)?;
         let of = typed.map(|(of, _)| of);
         let attribute = |name: &str| typed.and_then(|(_, typed)| typed.optional(name)).map(str::to_owned);
         let connector = Connector {
             kind: kind.ok_or_else(|| element.wrong("kind", "is not a kind of connector"))?,
             of,
-            unit: attribute("unit").filter(|_| of.is_some_and(|of| of.class() == Type::Real)),
+            unit: attribute("unit").filter(|_| of.is_some_and(|of| of.class() == FmiType::Real)),
             dimensions: element.children("Dimension").map(read_dimension).collect::<Result<_>>()?,
             place: element.wrong("name", ""),
         };
@@ -88,14 +89,16 @@ fn read_connectors(owner: Element) -> Result<BTreeMap<String, Connector>> {
 }
 
 /// The type of a connector's values, and the element that says it.
-fn read_type(connector: Element) -> Result<Option<(Type, Element)>> {
+fn read_type(connector: Element) -> Result<Option<(FmiType, Element)>> {
     let others = ["ConnectorGeometry", "Annotations", "Dimension"];
     let Some(element) = connector.elements().find(|element| !others.contains(&element.name())) else {
         return Ok(None);
     };
-    match Type::named(element.name()) {
-        Some(Type::Clock) => Err(element.problem("is not served: clocks are not").into()),
-        Some(Type::Enumeration) => Ok(element.text("name").map(|_| Some((Type::Enumeration, element)))?),
+    match FmiType::named(element.name()) {
+        Some(FmiType::Clock) => Err(element.problem("is not served: clocks are not").into()),
+        Some(FmiType::Enumeration) => {
+            Ok(element.text("name").map(|_| Some((FmiType::Enumeration, element)))?)
+        }
         Some(of) => Ok(Some((of, element))),
         None => Err(element.problem("is not a type of SSP").into()),
     }
@@ -122,8 +125,8 @@ fn read_connection(
     // Start and end say nothing about the direction, the connectors' kinds do.
     let [one, other] = [&start, &end].map(|port| structure.port(port).1.kind);
     let (from, to) = match (one, other) {
-        (Kind::Output, Kind::Input) => (start, end),
-        (Kind::Input, Kind::Output) => (end, start),
+        (Causality::Output, Causality::Input) => (start, end),
+        (Causality::Input, Causality::Output) => (end, start),
         (a, b) => {
             let ends = format!("{} {:?} with {} {:?}", a.name(), start.connector, b.name(), end.connector);
             let why = format!("connects {ends}: only an output and an input are served");
@@ -163,7 +166,7 @@ fn read_end(
     let name = element.text(&connector)?;
     let Some(owner_name) = element.optional(&owner) else {
         let why = match outside.get(name).map(|own| own.kind) {
-            Some(Kind::Output) => return Ok(None),
+            Some(Causality::Output) => return Ok(None),
             Some(_) => "connectors of the system are not served, except outputs",
             None => "the system has no such connector",
         };
@@ -182,19 +185,19 @@ fn read_end(
 
 /// Reads the units in an element of this name, which SSP took from FMI 2.0, by name: of two with one name the first, and
 /// none without a definition, as FMI allows it.
-pub(super) fn read_units(owner: Element, list: &str) -> Result<BTreeMap<String, Unit>> {
+pub(super) fn read_units(owner: Element, list: &str) -> Result<BTreeMap<String, SspUnit>> {
     let mut units = BTreeMap::new();
     for element in owner.child(list).into_iter().flat_map(|units| units.children("Unit")) {
         let name = element.text("name")?.to_owned();
         let Some(base) = element.child("BaseUnit") else { continue };
         let mut exponents = [0; 8];
-        for (exponent, name) in exponents.iter_mut().zip(Unit::BASE) {
+        for (exponent, name) in exponents.iter_mut().zip(SspUnit::BASE) {
             *exponent = base.parsed(name, "a whole number")?.unwrap_or(0);
         }
         let factor = base.number("factor")?.unwrap_or(1.0);
         require(factor != 0.0, || base.wrong("factor", "must not be zero"))?;
         let offset = base.number("offset")?.unwrap_or(0.0);
-        units.entry(name.clone()).or_insert(Unit { name, exponents, factor, offset });
+        units.entry(name.clone()).or_insert(SspUnit { name, exponents, factor, offset });
     }
     Ok(units)
 }
@@ -243,20 +246,21 @@ fn read_parameters(
         if let Some(dimension) = element.child("Dimension") {
             return Err(dimension.problem("is not served: set the elements by their names").into());
         }
-        let served =
-            |of: &Type| [Type::Real, Type::Integer, Type::Boolean, Type::String].contains(&of.class());
-        let of = Type::named(typed.name()).filter(served);
+        let served = |of: &FmiType| {
+            [FmiType::Real, FmiType::Integer, FmiType::Boolean, FmiType::String].contains(&of.class())
+        };
+        let of = FmiType::named(typed.name()).filter(served);
         let of = of.ok_or_else(|| typed.problem("is not served as a parameter's type"))?;
         let text = typed.optional("value").ok_or_else(|| typed.problem("has no value"))?.to_owned();
         match of.class() {
-            Type::Real => typed.number("value").map(drop)?,
-            Type::Integer => typed.parsed::<i32>("value", "a whole number").map(drop)?,
-            Type::Boolean => typed.boolean("value").map(drop)?,
+            FmiType::Real => typed.number("value").map(drop)?,
+            FmiType::Integer => typed.parsed::<i32>("value", "a whole number").map(drop)?,
+            FmiType::Boolean => typed.boolean("value").map(drop)?,
             _ => {}
         }
-        let unit = typed.optional("unit").filter(|_| of.class() == Type::Real);
+        let unit = typed.optional("unit").filter(|_| of.class() == FmiType::Real);
         let definition = unit.and_then(|unit| units.get(unit).or(structure.units.get(unit)));
-        structure.parameters.push(Parameter {
+        structure.parameters.push(SspParameter {
             component,
             name: format!("{prefix}{}", element.text("name")?),
             of,

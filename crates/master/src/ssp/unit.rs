@@ -27,7 +27,7 @@ impl Affine {
 
 /// A unit by the powers of its base units; a value in them is `factor * value + offset`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Unit {
+pub struct SspUnit {
     /// As connectors name it.
     pub name: String,
     /// Exponents in the order of [`Unit::BASE`].
@@ -38,17 +38,17 @@ pub struct Unit {
     pub offset: f64,
 }
 
-impl Unit {
+impl SspUnit {
     /// The base units, as FMI 2.0 and SSP 1.0 call them.
     pub const BASE: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
 
     /// Returns whether both are the same, whatever their names.
-    pub fn is_same(&self, other: &Unit) -> bool {
+    pub fn is_same(&self, other: &SspUnit) -> bool {
         self.exponents == other.exponents && self.factor == other.factor && self.offset == other.offset
     }
 
     /// Returns the conversion from this unit to another; `None` if it measures another quantity.
-    pub fn to(&self, other: &Unit) -> Option<Affine> {
+    pub fn to(&self, other: &SspUnit) -> Option<Affine> {
         if self.is_same(other) {
             return Some(Affine::IDENTITY);
         }
@@ -60,7 +60,7 @@ impl Unit {
 }
 
 /// A unit by name and by definition, as far as there is one.
-pub type UnitOf<'a> = (Option<&'a str>, Option<&'a Unit>);
+pub type UnitOf<'a> = (Option<&'a str>, Option<&'a SspUnit>);
 
 /// Returns the conversion from one unit to another, by name and by definition as far as there is one. A value without a unit passes
 /// unchanged, as between equal names.
@@ -85,8 +85,8 @@ pub fn conversion(from: UnitOf, to: UnitOf) -> Result<Affine, String> {
 mod tests {
     use super::*;
 
-    fn unit(name: &str, exponents: [i32; 8], factor: f64, offset: f64) -> Unit {
-        Unit { name: name.into(), exponents, factor, offset }
+    fn unit(name: &str, exponents: [i32; 8], factor: f64, offset: f64) -> SspUnit {
+        SspUnit { name: name.into(), exponents, factor, offset }
     }
 
     #[test]

@@ -1,11 +1,11 @@
 //! FMUs and connections between them -> `SystemStructure.ssd`.
 
 use crate::error::{Result, require};
-use crate::ssp::document::{Kind, Type};
-use crate::ssp::interface::{Interface, Variable};
-use crate::ssp::participant::{End, Pair, Participant, owner};
-use crate::ssp::unit::Unit;
-use lemons_core::xml::{Layout, Out, number};
+use crate::ssp::document::{Causality, FmiType};
+use crate::ssp::interface::{FmuVariable, Interface};
+use crate::ssp::participant::{End, EndPair, Participant, owner};
+use crate::ssp::unit::SspUnit;
+use lemons_core::xml::{Layout, XmlWriter, number};
 use lemons_fmi::Version;
 use std::collections::{BTreeMap, HashSet};
 
@@ -14,12 +14,12 @@ use std::collections::{BTreeMap, HashSet};
 ///
 /// # Errors
 /// A unit has two meanings.
-pub(super) fn to_xml(name: &str, participants: &[Participant], pairs: &[Pair]) -> Result<String> {
+pub(super) fn to_xml(name: &str, participants: &[Participant], pairs: &[EndPair]) -> Result<String> {
     let ends = || pairs.iter().flat_map(|pair| [&pair.from, &pair.to]);
     let second = participants.iter().any(|participant| participant.interface.fmi == Version::V3);
     let used: HashSet<(usize, &str)> = ends().map(owner).collect();
     let connectors = participants.iter().enumerate();
-    let connectors: Vec<Vec<&Variable>> =
+    let connectors: Vec<Vec<&FmuVariable>> =
         connectors.map(|(place, own)| connectors_of(place, own, &used, second)).collect();
     let units = units_of(participants, &connectors)?;
     let times = |time: fn(&Interface) -> Option<f64>| {
@@ -36,7 +36,7 @@ pub(super) fn to_xml(name: &str, participants: &[Participant], pairs: &[Pair]) -
         ("name", name),
         ("generationTool", concat!("LEMONS-FMU ", env!("CARGO_PKG_VERSION"))),
     ];
-    Ok(Out::document(Layout::STANDARD, "ssd:SystemStructureDescription", &root, |out| {
+    Ok(XmlWriter::document(Layout::STANDARD, "ssd:SystemStructureDescription", &root, |out| {
         out.element("ssd:System", &[("name", name)], |out| {
             out.element("ssd:Elements", &[], |out| {
                 for (participant, connectors) in participants.iter().zip(&connectors) {
@@ -70,14 +70,15 @@ fn connectors_of<'a>(
     participant: &Participant<'a>,
     used: &HashSet<(usize, &str)>,
     second: bool,
-) -> Vec<&'a Variable> {
+) -> Vec<&'a FmuVariable> {
     let variables = &participant.interface.variables;
-    let is_number = |variable: &Variable| {
-        matches!(variable.of.class(), Type::Real | Type::Integer | Type::Boolean)
+    let is_number = |variable: &FmuVariable| {
+        matches!(variable.of.class(), FmiType::Real | FmiType::Integer | FmiType::Boolean)
             && (second || !variable.is_array())
     };
-    let is_shown = |variable: &&Variable| {
-        used.contains(&(place, &*variable.name)) || variable.kind == Some(Kind::Output) && is_number(variable)
+    let is_shown = |variable: &&FmuVariable| {
+        used.contains(&(place, &*variable.name))
+            || variable.kind == Some(Causality::Output) && is_number(variable)
     };
     let dimensions = variables.iter().filter(is_shown).flat_map(|variable| &variable.dimensions);
     let sizes: HashSet<usize> = dimensions.filter_map(|dimension| dimension.parameter).collect();
@@ -89,8 +90,8 @@ fn connectors_of<'a>(
 /// Returns the units of connectors that are defined, by name: SSP wants a definition of every unit that it names.
 fn units_of<'a>(
     participants: &[Participant<'a>],
-    connectors: &[Vec<&Variable>],
-) -> Result<BTreeMap<&'a str, &'a Unit>> {
+    connectors: &[Vec<&FmuVariable>],
+) -> Result<BTreeMap<&'a str, &'a SspUnit>> {
     let mut units = BTreeMap::new();
     for (participant, connectors) in participants.iter().zip(connectors) {
         for variable in connectors {
@@ -108,7 +109,7 @@ fn units_of<'a>(
 
 /// OMSimulator reads the kind of a system from here, and refuses a structure without it. `oms-ma` is its algorithm with
 /// a fixed communication step \[s\].
-fn write_annotation(out: &mut Out, step: f64) {
+fn write_annotation(out: &mut XmlWriter, step: f64) {
     const SCHEMA: &str = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd";
     let step = number(step);
     let master = [("description", "oms-ma"), ("stepSize", &step)];
@@ -123,7 +124,12 @@ fn write_annotation(out: &mut Out, step: f64) {
     });
 }
 
-fn write_component(out: &mut Out, participant: &Participant, connectors: &[&Variable], second: bool) {
+fn write_component(
+    out: &mut XmlWriter,
+    participant: &Participant,
+    connectors: &[&FmuVariable],
+    second: bool,
+) {
     let attributes = [
         ("name", participant.name.as_str()),
         ("type", "application/x-fmu-sharedlibrary"),
@@ -142,8 +148,8 @@ fn write_component(out: &mut Out, participant: &Participant, connectors: &[&Vari
     });
 }
 
-fn write_connector(out: &mut Out, interface: &Interface, variable: &Variable, second: bool) {
-    let kind = variable.kind.map_or("output", Kind::name);
+fn write_connector(out: &mut XmlWriter, interface: &Interface, variable: &FmuVariable, second: bool) {
+    let kind = variable.kind.map_or("output", Causality::name);
     out.element("ssd:Connector", &[("name", &variable.name), ("kind", kind)], |out| {
         let unit = variable.unit.as_deref().filter(|unit| interface.unit(unit).is_some());
         let detail = [("unit", unit), ("name", variable.enumeration.as_deref())];
@@ -161,7 +167,11 @@ fn write_connector(out: &mut Out, interface: &Interface, variable: &Variable, se
     });
 }
 
-fn write_connection(out: &mut Out, participants: &[Participant], Pair { from, to, whole, .. }: &Pair) {
+fn write_connection(
+    out: &mut XmlWriter,
+    participants: &[Participant],
+    EndPair { from, to, whole, .. }: &EndPair,
+) {
     let indices = |(_, single): &End| {
         let indices = if *whole { Vec::new() } else { single.variable.indices(single.element) };
         indices.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
@@ -181,8 +191,8 @@ fn write_connection(out: &mut Out, participants: &[Participant], Pair { from, to
     out.empty("ssd:Connection", &attributes.collect::<Vec<_>>());
 }
 
-fn write_unit(out: &mut Out, unit: &Unit) {
-    let exponents = Unit::BASE.iter().zip(unit.exponents).filter(|&(_, exponent)| exponent != 0);
+fn write_unit(out: &mut XmlWriter, unit: &SspUnit) {
+    let exponents = SspUnit::BASE.iter().zip(unit.exponents).filter(|&(_, exponent)| exponent != 0);
     let exponents = exponents.map(|(name, exponent)| (*name, exponent.to_string()));
     let scale = [("factor", unit.factor, 1.0), ("offset", unit.offset, 0.0)];
     let scale = scale.iter().filter(|(_, value, default)| value != default);

@@ -2,7 +2,7 @@
 
 use crate::controller::{compiled, write_zip};
 use crowd_mechanics::pack::host_directory;
-use lemons_master::{Fmu, Instance, Selection, System, assemble};
+use lemons_master::{Fmu, FmuInstance, System, ValueSelection, assemble};
 use lemons_sim::Algorithm;
 use std::path::Path;
 use tempfile::TempDir;
@@ -21,7 +21,7 @@ fn fmu(directory: &TempDir) -> Fmu {
     Fmu::open(&path).unwrap()
 }
 
-fn select(instance: &Instance, names: &[&str]) -> Selection {
+fn select(instance: &FmuInstance, names: &[&str]) -> ValueSelection {
     instance.select(names).unwrap()
 }
 

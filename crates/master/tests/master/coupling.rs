@@ -2,8 +2,8 @@
 
 use crate::controller::{DESCRIPTION, write_controller, write_zip};
 use crate::packed;
-use crowd_mechanics::pack::Format;
-use lemons_master::{Fmu, Instance, System, assemble};
+use crowd_mechanics::pack::FmuFormat;
+use lemons_master::{Fmu, FmuInstance, System, assemble};
 use lemons_sim::Algorithm;
 use std::path::Path;
 use tempfile::TempDir;
@@ -44,11 +44,11 @@ fn write_ssp(directory: &Path, structure: &str) -> std::path::PathBuf {
     path
 }
 
-fn real(instance: &Instance, name: &str) -> f64 {
+fn real(instance: &FmuInstance, name: &str) -> f64 {
     instance.value(name).unwrap()
 }
 
-fn set_real(instance: &Instance, name: &str, value: f64) {
+fn set_real(instance: &FmuInstance, name: &str, value: f64) {
     instance.set(&instance.select([name]).unwrap(), &[value]).unwrap();
 }
 
@@ -60,7 +60,7 @@ const STEPS: u32 = 60;
 /// Where both crowds' agents are, after each step.
 type Seen = Vec<Vec<u64>>;
 
-fn look(instances: [&Instance; 2]) -> Vec<u64> {
+fn look(instances: [&FmuInstance; 2]) -> Vec<u64> {
     let names = (0..5).flat_map(|i| {
         ["Position.x", "Velocity.y", "Omega", "NormalForce"].map(|name| format!("agent[{i}].{name}"))
     });
@@ -122,7 +122,7 @@ fn coupled(path: &Path, algorithm: Algorithm) -> Seen {
 fn two_crowds_exchange_forces_as_in_a_loop_written_out() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
-    std::fs::rename(packed(at, Format::default()), at.join("it.fmu")).unwrap();
+    std::fs::rename(packed(at, FmuFormat::default()), at.join("it.fmu")).unwrap();
     let connectors = format!(
         r#"<ssd:Connector name="{FORCE}" kind="output"><ssc:Real unit="N"/></ssd:Connector>
            <ssd:Connector name="{INPUT}" kind="input"><ssc:Real/></ssd:Connector>"#
@@ -253,7 +253,7 @@ fn units_are_converted_on_the_way_and_parameters_on_theirs() {
 fn first_values_pass_through_initialization() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
-    std::fs::rename(packed(at, Format::default()), at.join("it.fmu")).unwrap();
+    std::fs::rename(packed(at, FmuFormat::default()), at.join("it.fmu")).unwrap();
     let connectors = r#"<ssd:Connector name="agent[1].Position.x" kind="output"/>
         <ssd:Connector name="agent[0].Fp.x" kind="input"/>"#;
     let connection = r#"<ssd:Connection startElement="a" startConnector="agent[1].Position.x"

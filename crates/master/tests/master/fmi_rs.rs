@@ -1,15 +1,15 @@
 //! An importer that others wrote, fmi-rs, and our own: both run the crowd's FMUs of both versions alike.
 
 use crate::packed;
-use crowd_mechanics::pack::Format;
+use crowd_mechanics::pack::FmuFormat;
 use fmi_rs::fmi2::types::{fmi2FMUstate, fmi2Status};
 use fmi_rs::fmi2::{CS, FMU2, log::Logger as Logger2};
 use fmi_rs::fmi3::native::{NativeLibrary, PLATFORM_TUPLE};
 use fmi_rs::fmi3::types::fmi3Status;
 use fmi_rs::fmi3::{FMU3, log::Logger as Logger3};
-use fmi_rs::model_description::fmi3::{Causality, ModelDescription};
+use fmi_rs::model_description::fmi3::{self, ModelDescription};
 use lemons_master::Fmu;
-use lemons_master::ssp::{Kind, Type};
+use lemons_master::ssp::{Causality, FmiType};
 use std::ptr::null_mut;
 use std::sync::Arc;
 use tempfile::TempDir;
@@ -82,7 +82,7 @@ fn bits(values: &[f64]) -> Vec<u64> {
 #[test]
 fn both_run_both_versions_to_the_same_bits() {
     let directories = [TempDir::new().unwrap(), TempDir::new().unwrap()];
-    let [fmu_2, fmu_3] = [(0, Format::default()), (1, Format::Fmi3)]
+    let [fmu_2, fmu_3] = [(0, FmuFormat::default()), (1, FmuFormat::Fmi3)]
         .map(|(place, format)| Fmu::open(&packed(directories[place].path(), format)).unwrap());
     let [own_2, own_3] = [&fmu_2, &fmu_3].map(|fmu| {
         let own = fmu.instantiate("own").unwrap();
@@ -91,12 +91,13 @@ fn both_run_both_versions_to_the_same_bits() {
     });
     let (other_2, (description, other_3)) = (theirs_2(&fmu_2), theirs_3(&fmu_3));
     assert_eq!((description.modelVariables.len(), description.outputs.len()), (44, 19));
-    let inputs = description.modelVariables.iter().filter(|it| it.causality == Causality::Input);
+    let inputs = description.modelVariables.iter().filter(|it| it.causality == fmi3::Causality::Input);
     assert_eq!(inputs.map(|it| &it.name[..]).collect::<Vec<_>>(), ["Fp", "Mp", "Active"]);
 
     // All Reals of FMI 2.0, by their references.
     let outputs = fmu_2.description.variables.iter();
-    let outputs = outputs.filter(|variable| variable.kind == Some(Kind::Output) && variable.of == Type::Real);
+    let outputs =
+        outputs.filter(|variable| variable.kind == Some(Causality::Output) && variable.of == FmiType::Real);
     let (names, outputs): (Vec<&str>, Vec<u32>) =
         outputs.map(|variable| (variable.name.as_str(), variable.reference)).unzip();
     let own_outputs = own_2.select(names).unwrap();

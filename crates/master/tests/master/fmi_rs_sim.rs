@@ -4,13 +4,13 @@
 #![allow(clippy::arc_with_non_send_sync)] // `simulate` takes an `Arc` of its recorder
 
 use crate::packed;
-use crowd_mechanics::pack::Format;
+use crowd_mechanics::pack::FmuFormat;
 use fmi_rs::fmi3::LibraryKind;
 use fmi_rs::model_description::{fmi2, fmi3};
 use fmi_rs::sim::fmi2 as sim2;
 use fmi_rs::sim::fmi3 as sim3;
 use lemons_core::trial::DriveChoice;
-use lemons_master::{Fmu, Prepared, Settings};
+use lemons_master::{Fmu, PreparedSystem, RunSettings};
 use std::path::Path;
 use std::sync::Arc;
 use tempfile::TempDir;
@@ -37,11 +37,11 @@ fn elements() -> Vec<String> {
 fn ours(fmu: &Path, directory: &Path) -> Vec<Vec<u64>> {
     let drive = directory.join("drive.csv");
     std::fs::write(&drive, "t,agent,Fp.x,Fp.y,Mp\n0,0,700,0,0\n9,0,700,0,0\n").unwrap();
-    let mut run = Prepared::of(&Settings {
+    let mut run = PreparedSystem::of(&RunSettings {
         step: Some(STEP),
         until: Some(STOP),
         drive: DriveChoice::File(drive),
-        ..Settings::of(fmu.to_owned())
+        ..RunSettings::of(fmu.to_owned())
     })
     .unwrap();
     let points: Vec<_> = run.clock.points(0).collect();
@@ -62,15 +62,15 @@ fn bits(values: &[f64]) -> Vec<u64> {
 #[test]
 fn its_validation_finds_no_problem_but_would_find_one() {
     let directory = TempDir::new().unwrap();
-    for format in [Format::default(), Format::Fmi3] {
+    for format in [FmuFormat::default(), FmuFormat::Fmi3] {
         let fmu = Fmu::open(&packed(directory.path(), format)).unwrap();
         let path = fmu.directory().join("modelDescription.xml");
         let problems = match format {
-            Format::Fmi3 => fmi3::ModelDescription::from_path(&path).unwrap().validate(),
+            FmuFormat::Fmi3 => fmi3::ModelDescription::from_path(&path).unwrap().validate(),
             _ => fmi2::ModelDescription::from_path(&path).unwrap().validate(),
         };
         assert!(problems.is_empty(), "{problems:?}");
-        if format == Format::Fmi3 {
+        if format == FmuFormat::Fmi3 {
             let text = std::fs::read_to_string(&path).unwrap();
             let other = directory.path().join("other.xml");
             std::fs::write(&other, text.replace("name=\"Mp\"", "name=\"Fp\"")).unwrap();
@@ -83,7 +83,7 @@ fn its_validation_finds_no_problem_but_would_find_one() {
 #[test]
 fn it_shows_the_bits_of_our_run_in_fmi_2() {
     let directory = TempDir::new().unwrap();
-    let path = packed(directory.path(), Format::default());
+    let path = packed(directory.path(), FmuFormat::default());
     let fmu = Fmu::open(&path).unwrap();
     let description =
         Arc::new(fmi2::ModelDescription::from_path(&fmu.directory().join("modelDescription.xml")).unwrap());
@@ -123,7 +123,7 @@ fn it_shows_the_bits_of_our_run_in_fmi_2() {
 #[test]
 fn it_shows_the_bits_of_our_run_in_fmi_3() {
     let directory = TempDir::new().unwrap();
-    let path = packed(directory.path(), Format::Fmi3);
+    let path = packed(directory.path(), FmuFormat::Fmi3);
     let fmu = Fmu::open(&path).unwrap();
     let description =
         Arc::new(fmi3::ModelDescription::from_path(&fmu.directory().join("modelDescription.xml")).unwrap());

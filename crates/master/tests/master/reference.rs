@@ -1,9 +1,9 @@
 //! References in FMUs: what was packed is found again, what was changed is found, what is broken is said.
 
 use crate::packed;
-use crowd_mechanics::pack::{Format, Naming};
+use crowd_mechanics::pack::{FmuFormat, Naming};
 use lemons_core::trial::DriveChoice;
-use lemons_master::{Experiment, PlanChoice, Replay, TrialInput, add_reference, replay};
+use lemons_master::{Experiment, PlanChoice, ReplayedExperiment, TrialInput, add_reference, replay};
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 const PLACE: &str = "extra/org.fmi-standard.fmi-ls-ref";
 
 /// The FMU of the paper's push with a reference of half a second.
-fn referenced(directory: &Path, format: Format) -> PathBuf {
+fn referenced(directory: &Path, format: FmuFormat) -> PathBuf {
     let path = packed(directory, format);
     let trial = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
     let trial = TrialInput::open(&trial).unwrap();
@@ -56,7 +56,7 @@ fn replaced(fmu: &Path, name: &str, old: &str, new: &str) -> PathBuf {
     })
 }
 
-fn one(path: &Path, tolerance: Option<f64>) -> Replay {
+fn one(path: &Path, tolerance: Option<f64>) -> ReplayedExperiment {
     let mut all = replay(path, tolerance).unwrap();
     assert_eq!(all.len(), 1);
     all.remove(0)
@@ -64,7 +64,7 @@ fn one(path: &Path, tolerance: Option<f64>) -> Replay {
 
 #[test]
 fn what_was_packed_has_the_same_bits_and_what_was_changed_is_found() {
-    for format in [Format::Fmi2(Naming::Structured), Format::Fmi3] {
+    for format in [FmuFormat::Fmi2(Naming::Structured), FmuFormat::Fmi3] {
         let directory = TempDir::new().unwrap();
         let fmu = referenced(directory.path(), format);
         let own = one(&fmu, None);
@@ -84,7 +84,7 @@ fn what_was_packed_has_the_same_bits_and_what_was_changed_is_found() {
         assert!(one(&heavier, Some(1e-12)).different > 0);
 
         // A number of the reference.
-        let column = if format == Format::Fmi3 { "\"Position\"" } else { "\"agent[0].Position.x\"" };
+        let column = if format == FmuFormat::Fmi3 { "\"Position\"" } else { "\"agent[0].Position.x\"" };
         let forged = changed(&fmu, &format!("{PLACE}/outputs.csv"), |text| {
             let mut rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
             let place = rows[0].iter().position(|name| *name == column).unwrap();
@@ -111,7 +111,7 @@ fn what_was_packed_has_the_same_bits_and_what_was_changed_is_found() {
 #[test]
 fn what_is_broken_is_said_with_its_place() {
     let directory = TempDir::new().unwrap();
-    let fmu = referenced(directory.path(), Format::default());
+    let fmu = referenced(directory.path(), FmuFormat::default());
     let file = directory.path().join("changed.fmu");
     // Without compression it is read faster.
     std::fs::rename(replaced(&fmu, "modelDescription.xml", "", ""), &fmu).unwrap();
@@ -253,7 +253,7 @@ fn what_is_broken_is_said_with_its_place() {
 #[test]
 fn experiments_elsewhere_and_of_the_first_draft_are_read() {
     let directory = TempDir::new().unwrap();
-    let fmu = referenced(directory.path(), Format::default());
+    let fmu = referenced(directory.path(), FmuFormat::default());
     let text = "<Experiments name='x'><Experiment name='none'/>\
                 <Experiment name='of another tool' startTime='0' stopTime='0.5' stepSize='0.05'>\
                 <Stimuli source='../extra/org.fmi-standard.fmi-ls-ref/inputs.csv'/>\

@@ -1,10 +1,10 @@
 //! Runs of an FMU from settings, as any program makes them, against a loop written out here.
 
 use crate::packed;
-use crowd_mechanics::pack::Format;
+use crowd_mechanics::pack::FmuFormat;
 use lemons_core::files::Staged;
 use lemons_core::trial::DriveChoice;
-use lemons_master::{Error, Fmu, Instance, Prepared, Saved, Settings};
+use lemons_master::{Fmu, FmuInstance, MasterError, PreparedSystem, RunSettings, SavedRun};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -13,15 +13,15 @@ const AGENTS: usize = 5;
 /// Bits of a time, and of all poses then.
 type Row = (u64, Vec<u64>);
 
-fn row(instance: &Instance, time: f64) -> Result<Row, Error> {
+fn row(instance: &FmuInstance, time: f64) -> Result<Row, MasterError> {
     let of = |i: usize| ["Position.x", "Position.y", "Theta"].map(|name| format!("agent[{i}].{name}"));
     let values: Vec<f64> = instance.values(&instance.select((0..AGENTS).flat_map(of))?)?;
     Ok((time.to_bits(), values.into_iter().map(f64::to_bits).collect()))
 }
 
 /// Runs at most so many steps and notes the poses after each.
-fn poses(settings: &Settings, most: usize) -> (Prepared, Vec<Row>) {
-    let mut run = Prepared::of(settings).unwrap();
+fn poses(settings: &RunSettings, most: usize) -> (PreparedSystem, Vec<Row>) {
+    let mut run = PreparedSystem::of(settings).unwrap();
     let begun = run.before.as_ref().map_or(0, |before| before.index);
     let mut rows = Vec::new();
     for time in run.clock.points(begun).take(most) {
@@ -49,15 +49,15 @@ fn by_hand(fmu: &Path, step: f64, steps: u32) -> Vec<Row> {
     rows.collect()
 }
 
-fn pushed(directory: &Path) -> Settings {
+fn pushed(directory: &Path) -> RunSettings {
     let drive = directory.join("push.csv");
     std::fs::write(&drive, "t,agent,Fp.x,Fp.y,Mp\n0,0,900,0,0\n0.7,0,900,0,0\n").unwrap();
     let parameters = [("agent[*].Mass", "80"), ("TimeStepMechanical", "1e-5")];
-    Settings {
+    RunSettings {
         parameters: parameters.map(|(name, value)| (name.to_owned(), value.to_owned())).to_vec(),
         until: Some(2.0),
         drive: DriveChoice::File(drive),
-        ..Settings::of(packed(directory, Format::default()))
+        ..RunSettings::of(packed(directory, FmuFormat::default()))
     }
 }
 
@@ -76,10 +76,10 @@ fn an_fmu_runs_to_the_bits_of_a_loop_by_hand() {
 }
 
 /// Saves the run where it is.
-fn save(run: &mut Prepared, index: u64, path: &Path) {
+fn save(run: &mut PreparedSystem, index: u64, path: &Path) {
     let states = run.system.states().unwrap();
-    let saved = Saved {
-        format: Saved::FORMAT,
+    let saved = SavedRun {
+        format: SavedRun::FORMAT,
         lemons: "a test".into(),
         start: run.clock.start,
         step: run.clock.step,
@@ -99,14 +99,14 @@ fn save(run: &mut Prepared, index: u64, path: &Path) {
 #[test]
 fn a_saved_run_goes_on_to_the_same_bits() {
     let directory = TempDir::new().unwrap();
-    let settings = Settings { saves: true, ..pushed(directory.path()) };
+    let settings = RunSettings { saves: true, ..pushed(directory.path()) };
     let (_, whole) = poses(&settings, usize::MAX);
     // In the middle of the push, with people in contact.
     let (mut run, begun) = poses(&settings, 9);
     let path = directory.path().join("half.run");
     save(&mut run, 9, &path);
     drop(run);
-    let on = Settings { parameters: Vec::new(), until: None, resume: Some(path), ..settings };
+    let on = RunSettings { parameters: Vec::new(), until: None, resume: Some(path), ..settings };
     let (run, rest) = poses(&on, usize::MAX);
     let before = run.before.as_ref().unwrap();
     assert_eq!((before.index, before.time, before.lemons.as_str()), (9, 0.45, "a test"));

@@ -1,6 +1,6 @@
 //! Writes bodies for other tools: OBJ, STL, GeoJSON, WKT. In metres, z up.
 
-use super::{CrowdSection, MeshPart, Polygon};
+use super::{BodySlice, CrowdSection, MeshPart};
 use nalgebra::Vector3;
 use std::io::{self, Error, ErrorKind, Write};
 
@@ -109,7 +109,7 @@ pub fn write_wkt(sections: &[CrowdSection], to: &mut impl Write) -> io::Result<(
 }
 
 /// The points at an altitude \[m\] as texts, the first again at the end.
-fn points(polygon: &Polygon, z: f64, shown: fn([f64; 3]) -> String) -> io::Result<Vec<String>> {
+fn points(polygon: &BodySlice, z: f64, shown: fn([f64; 3]) -> String) -> io::Result<Vec<String>> {
     let round = polygon.points.iter().chain(polygon.points.first());
     round.map(|point| finite([point.x, point.y, z]).map(shown)).collect()
 }

@@ -3,15 +3,15 @@
 //! A seated body is the standing one with bent knees and elbows: simple, an assumption. Things are the plain solids of
 //! `data/kinds.toml`. Closed surfaces may overlap here: thighs begin within the trunk, wheels in their axles.
 
-use super::{Body3d, MeshPart, Polygon};
+use super::{Body3d, BodySlice, MeshPart};
 use crate::anthropometry::ansur;
 use crate::bicycle::PAPER_BICYCLES;
 use crate::error::Result;
 use crate::growth::child;
-use crate::kinds::{Kind, Kinds, Origin, Part, Solid};
+use crate::kinds::{KindPart, Kinds, PartOrigin, PersonKind, Solid};
 use crate::materials::PART_MATERIALS;
 use crate::person::{Person, Sex};
-use crate::population::Agent;
+use crate::population::CrowdMember;
 use crate::shape::{Shape, bounds};
 use lemons_core::plane::{Disk, Pose, Vec2, rotation, vec2};
 use nalgebra::{Matrix3, Vector3};
@@ -30,7 +30,7 @@ const SIDES: usize = 24;
 /// An agent in three dimensions, in its frame: origin at the centre of mass, on the floor; gaze along +x, left is +y.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Figure {
-    kind: Option<Arc<Kind>>,
+    kind: Option<Arc<PersonKind>>,
     /// The bodies, standing, and their places \[m\].
     people: Vec<(Body3d, Vec2)>,
     /// \[m\] Where the solids of each part of the kind are measured from.
@@ -42,10 +42,10 @@ impl Figure {
     ///
     /// # Errors
     /// As those of [`Body3d::similar`].
-    pub fn of(agent: &Agent) -> Result<Figure> {
+    pub fn of(agent: &CrowdMember) -> Result<Figure> {
         match agent {
-            Agent::Pedestrian(person) => Figure::new(None, &[(*person, Vec2::zeros())]),
-            Agent::Member(member) => Figure::new(Some(member.kind.clone()), &member.people),
+            CrowdMember::Pedestrian(person) => Figure::new(None, &[(*person, Vec2::zeros())]),
+            CrowdMember::Member(member) => Figure::new(Some(member.kind.clone()), &member.people),
         }
     }
 
@@ -61,14 +61,14 @@ impl Figure {
         }
     }
 
-    fn new(kind: Option<Arc<Kind>>, people: &[(Person, Vec2)]) -> Result<Figure> {
+    fn new(kind: Option<Arc<PersonKind>>, people: &[(Person, Vec2)]) -> Result<Figure> {
         let mut origins = Vec::new();
         if let (Some(kind), Some((person, at))) = (&kind, people.first()) {
             let (front, back) = Shape::fit(person.breadth, person.depth).ends();
             origins.extend(kind.parts.iter().map(|part| match part.from {
-                Origin::Centre => *at,
-                Origin::Front => *at + vec2(front, 0.0),
-                Origin::Back => *at + vec2(back, 0.0),
+                PartOrigin::Centre => *at,
+                PartOrigin::Front => *at + vec2(front, 0.0),
+                PartOrigin::Back => *at + vec2(back, 0.0),
             }));
         }
         let body = |(person, at): &(Person, Vec2)| Ok((Body3d::similar(person)?, *at));
@@ -102,7 +102,7 @@ impl Figure {
     /// Returns the closed parts of things.
     pub fn things(&self) -> Vec<MeshPart> {
         let parts = self.kind.iter().flat_map(|kind| &kind.parts).zip(&self.origins);
-        let moved = |(part, origin): (&Part, &Vec2)| {
+        let moved = |(part, origin): (&KindPart, &Vec2)| {
             let mut solids = solids(part);
             solids.iter_mut().for_each(|solid| shift(solid, *origin));
             solids
@@ -112,7 +112,7 @@ impl Figure {
     }
 
     /// Returns the outlines of the people who stand, at an altitude \[m\]; of who sits and of things there are none.
-    pub fn slice_at(&self, altitude: f64) -> Vec<Polygon> {
+    pub fn slice_at(&self, altitude: f64) -> Vec<BodySlice> {
         let standing = self.people.iter().filter(|_| self.seat().is_none());
         let placed = |(body, at): &(Body3d, Vec2)| {
             let pose = Pose { position: *at, orientation: 0.0 };
@@ -140,7 +140,7 @@ fn plain(name: &str) -> String {
 }
 
 /// People of one body, with their places \[m\].
-pub type Placed = Vec<(Person, Vec2)>;
+pub type PlacedPeople = Vec<(Person, Vec2)>;
 
 /// \[m\] Stature of somebody whose height is not known.
 const USUAL_STATURE: f64 = 1.75;
@@ -162,13 +162,13 @@ pub fn person_fitting(agent: &lemons_core::trial::Agent) -> Person {
 /// Returns the kind of an agent of a Trial, and the people that fit its disks, with their places \[m\]: the person, whose
 /// measures are those of [`person_fitting`], and a child at its hand. `None` if there is no such kind, or if the disks are
 /// not those of the kind.
-pub fn people_fitting(agent: &lemons_core::trial::Agent) -> Option<(Arc<Kind>, Placed)> {
+pub fn people_fitting(agent: &lemons_core::trial::Agent) -> Option<(Arc<PersonKind>, PlacedPeople)> {
     static KINDS: LazyLock<Option<Kinds>> = LazyLock::new(|| Kinds::built_in().ok());
     let kind = KINDS.as_ref()?.get(agent.kind.as_ref()?)?;
     Some((kind.clone(), people_of(kind, agent)?))
 }
 
-fn people_of(kind: &Kind, agent: &lemons_core::trial::Agent) -> Option<Placed> {
+fn people_of(kind: &PersonKind, agent: &lemons_core::trial::Agent) -> Option<PlacedPeople> {
     let disks = agent.disks_facing_x().into_iter().zip(&agent.shapes);
     let (things, own): (Vec<_>, Vec<_>) =
         disks.partition(|(_, shape)| PART_MATERIALS.contains(&&*shape.material_id));
@@ -304,7 +304,7 @@ impl Bend {
 }
 
 /// The solids of a thing, from its origin.
-fn solids(part: &Part) -> Vec<MeshPart> {
+fn solids(part: &KindPart) -> Vec<MeshPart> {
     let [low, high] = part.height;
     let cylinder = |&[x, y, radius]: &[f64; 3]| {
         let size = Vector3::new(radius, radius, 0.5 * (high - low));

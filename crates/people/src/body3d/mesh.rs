@@ -2,7 +2,7 @@
 
 use super::outline::POINTS;
 use super::skin::Ring;
-use super::{Body3d, Part};
+use super::{Body3d, BodyPart};
 use lemons_core::plane::{Pose, Vec2, rotation, vec2};
 
 /// A closed surface of one part of a body.
@@ -127,7 +127,7 @@ impl Body3d {
 
     /// The surface through every `stride`-th ring, the first and the last ones and flat steps, and every `stride`-th point.
     fn surface(&self, stride: usize) -> Vec<MeshPart> {
-        let surface = |(part, rings): (Part, &Vec<Ring>)| {
+        let surface = |(part, rings): (BodyPart, &Vec<Ring>)| {
             let last = rings.len().saturating_sub(1);
             let flat = |k: usize| k < last && rings[k].z == rings[k + 1].z;
             let kept =

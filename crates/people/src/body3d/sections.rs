@@ -1,6 +1,6 @@
 //! Horizontal sections of a crowd of bodies.
 
-use super::{Body3d, Polygon};
+use super::{Body3d, BodySlice};
 use lemons_core::plane::Pose;
 use lemons_core::plane::overlay::{Contour, area, union};
 
@@ -10,7 +10,7 @@ pub struct CrowdSection {
     /// \[m\] altitude of the plane.
     pub altitude: f64,
     /// For each body the outlines of its parts; empty where the plane is above the body.
-    pub bodies: Vec<Vec<Polygon>>,
+    pub bodies: Vec<Vec<BodySlice>>,
 }
 
 /// Returns the section of a crowd at an altitude \[m\]: panels (b) to (d) of the paper's comparison with two

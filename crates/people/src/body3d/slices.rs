@@ -2,19 +2,19 @@
 
 use super::outline::{POINTS, Points};
 use super::skin::Ring;
-use super::{Body3d, Part};
+use super::{Body3d, BodyPart};
 use lemons_core::plane::{Pose, Vec2, rotation};
 
 /// A slice of one part of a body.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Polygon {
+pub struct BodySlice {
     /// The part of the body.
-    pub part: Part,
+    pub part: BodyPart,
     /// \[m\] Points, counter-clockwise; the first is not repeated.
     pub points: Vec<Vec2>,
 }
 
-impl Polygon {
+impl BodySlice {
     /// Returns its area \[m²\].
     pub fn area(&self) -> f64 {
         area(&self.points)
@@ -32,7 +32,7 @@ impl Polygon {
     }
 
     /// Returns the outline of a body at a pose, in world coordinates.
-    pub fn at(mut self, pose: &Pose) -> Polygon {
+    pub fn at(mut self, pose: &Pose) -> BodySlice {
         let turn = rotation(pose.orientation);
         for point in &mut self.points {
             *point = turn * *point + pose.position;
@@ -74,10 +74,10 @@ pub(super) fn outline(rings: &[Ring], z: f64, highest: bool) -> Option<Points> {
 impl Body3d {
     /// Returns the outlines of the parts at an altitude \[m\], in the body's frame; linear between two rings. It is
     /// empty below the soles and above the head.
-    pub fn slice_at(&self, z: f64) -> Vec<Polygon> {
-        let slice = |(part, rings): (Part, &Vec<Ring>)| {
-            let points = outline(rings, z, part == Part::Trunk)?.to_vec();
-            Some(Polygon { part, points })
+    pub fn slice_at(&self, z: f64) -> Vec<BodySlice> {
+        let slice = |(part, rings): (BodyPart, &Vec<Ring>)| {
+            let points = outline(rings, z, part == BodyPart::Trunk)?.to_vec();
+            Some(BodySlice { part, points })
         };
         self.parts().filter_map(slice).collect()
     }

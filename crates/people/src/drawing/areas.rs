@@ -1,10 +1,10 @@
 //! Walls around what people can walk on: areas that meet, united, without obstacles.
 
-use super::Line;
+use super::DrawnLine;
 use super::join::SAME;
-use super::role::Role;
+use super::role::LayerRole;
 use crate::error::{PeopleError, Result, require};
-use lemons_core::plane::overlay::{self, Contour, Fill, contour, difference};
+use lemons_core::plane::overlay::{self, Contour, InsideRule, contour, difference};
 use lemons_core::plane::{Polygon, Ring, Vec2, ground, parts, sides_that_meet};
 
 /// Largest number of corners of areas that may meet, and of walls of which the area is calculated: some of it takes the
@@ -36,9 +36,9 @@ struct Drawn {
 }
 
 /// Returns walls around what people can walk on: areas without obstacles. Where none of them meet, they stay as they are.
-pub(super) fn areas(lines: Vec<Line>) -> Result<Areas> {
-    let is_ring = |line: &Line| line.closed && line.corners.len() > 2;
-    let (closed, open): (Vec<Line>, Vec<Line>) =
+pub(super) fn areas(lines: Vec<DrawnLine>) -> Result<Areas> {
+    let is_ring = |line: &DrawnLine| line.closed && line.corners.len() > 2;
+    let (closed, open): (Vec<DrawnLine>, Vec<DrawnLine>) =
         lines.into_iter().partition(|line| is_ring(line) && (line.ground || line.role.is_some()));
     let number: usize = closed.iter().map(|line| line.corners.len()).sum();
     require(number <= MOST_CORNERS, || {
@@ -83,12 +83,12 @@ fn cleaned(corners: &[Vec2]) -> Vec<Vec2> {
     all
 }
 
-fn is_area(line: &Line) -> bool {
-    line.ground || line.has(Role::WalkableArea)
+fn is_area(line: &DrawnLine) -> bool {
+    line.ground || line.has(LayerRole::WalkableArea)
 }
 
 /// Whether one area at most is there, and its holes and all obstacles lie side by side in it.
-fn are_apart(closed: &[Line], rings: &[Ring]) -> bool {
+fn are_apart(closed: &[DrawnLine], rings: &[Ring]) -> bool {
     let outlines: Vec<usize> =
         (0..closed.len()).filter(|k| is_area(&closed[*k]) && !closed[*k].hole).collect();
     let rest = || (0..closed.len()).filter(|k| !outlines.contains(k));
@@ -107,7 +107,7 @@ fn are_apart(closed: &[Line], rings: &[Ring]) -> bool {
 }
 
 /// Puts holes into the polygons before them. Polygons that touch themselves fall into parts.
-fn polygons(closed: &[Line], rings: &[Ring]) -> Result<Vec<Drawn>> {
+fn polygons(closed: &[DrawnLine], rings: &[Ring]) -> Result<Vec<Drawn>> {
     let mut drawn: Vec<Drawn> = Vec::new();
     let mut is_whole = false;
     for (line, ring) in closed.iter().zip(rings) {
@@ -151,7 +151,7 @@ fn within(drawn: &[Drawn]) -> Vec<String> {
         drawn.iter().filter(is_around).any(|Drawn { polygon: around, .. }| {
             let beyond = || {
                 let rings: Vec<Contour> = around.rings().map(contour).collect();
-                difference(&[contour(ring)], &rings, Fill::EvenOdd)
+                difference(&[contour(ring)], &rings, InsideRule::EvenOdd)
             };
             ring.corners().iter().all(|corner| on_or_in(&around.outer, corner))
                 && beyond().iter().map(|left| overlay::area(left)).sum::<f64>() <= TOUCH * bounds.size().sum()
@@ -160,7 +160,7 @@ fn within(drawn: &[Drawn]) -> Vec<String> {
     drawn.iter().filter(|own| own.ground && is_within(own)).map(|own| own.entity.clone()).collect()
 }
 
-pub(super) fn corners(line: Line) -> Vec<Vec2> {
+pub(super) fn corners(line: DrawnLine) -> Vec<Vec2> {
     let mut corners = line.corners;
     if line.closed && corners.len() > 2 {
         corners.push(corners[0]);

@@ -7,7 +7,7 @@ use super::gap::{Gap, Leads};
 use super::pieces::{Grid, Mended, Piece, SNAP};
 use super::swings::Swing;
 use crate::error::{Result, require};
-use lemons_core::plane::overlay::{self, Contour, Fill};
+use lemons_core::plane::overlay::{self, Contour, InsideRule};
 use lemons_core::plane::{Bounds, InPlane, Ring, Vec2, vec2};
 
 /// \[m\] Two parallel lines at such a distance are a wall.
@@ -455,7 +455,7 @@ fn ends_wide(wide: &[Opening]) -> Vec<[Vec2; 2]> {
 
 /// A place inside.
 fn inner(part: &Part) -> Vec2 {
-    super::Place { name: String::new(), corners: part.rings[0].corners().to_vec() }.middle().0
+    super::NamedPlace { name: String::new(), corners: part.rings[0].corners().to_vec() }.middle().0
 }
 
 /// Whether a swing shuts a gap.
@@ -541,7 +541,7 @@ pub(super) fn without(ground: &[Contour], obstacles: &[Contour]) -> (Vec<Contour
     if obstacles.is_empty() {
         return (ground.to_vec(), Vec::new());
     }
-    let left = overlay::difference(ground, &overlay::union(obstacles).concat(), Fill::NonZero);
+    let left = overlay::difference(ground, &overlay::union(obstacles).concat(), InsideRule::NonZero);
     let mut all: Vec<Vec<Contour>> =
         left.iter().map(|polygon| tidied(polygon)).filter(|polygon| overlay::area(polygon) > SMALL).collect();
     all.sort_by(|a, b| overlay::area(b).total_cmp(&overlay::area(a)));

@@ -1,7 +1,7 @@
 //! Lines that overlap along each other: one of them stays. Two walls at one place would push twice, and the engine compares
 //! all that lie on each other.
 
-use super::Line;
+use super::DrawnLine;
 use super::join::SAME;
 use crate::error::{Result, require};
 use lemons_core::plane::{Bounds, InPlane, Vec2};
@@ -32,8 +32,8 @@ struct Piece {
 ///
 /// # Errors
 /// Pieces of longer lines lie on each other at too many places.
-pub(super) fn without_overlaps(mut lines: Vec<Line>, areas: bool) -> Result<(Vec<Line>, usize)> {
-    let is_single = |line: &Line| !line.closed && line.corners.len() == 2;
+pub(super) fn without_overlaps(mut lines: Vec<DrawnLine>, areas: bool) -> Result<(Vec<DrawnLine>, usize)> {
+    let is_single = |line: &DrawnLine| !line.closed && line.corners.len() == 2;
     let (single, fixed): (Vec<Piece>, Vec<Piece>) =
         pieces(&lines, areas).into_iter().partition(|piece| is_single(&lines[piece.line]));
     refuse_many(&fixed)?;
@@ -58,7 +58,7 @@ pub(super) fn without_overlaps(mut lines: Vec<Line>, areas: bool) -> Result<(Vec
 }
 
 /// Returns the pieces of all lines, by class and beginning.
-fn pieces(lines: &[Line], areas: bool) -> Vec<Piece> {
+fn pieces(lines: &[DrawnLine], areas: bool) -> Vec<Piece> {
     let corners = || lines.iter().flat_map(|line| line.corners.iter().copied());
     let Some(Bounds { low, .. }) = Bounds::of(corners()) else { return Vec::new() };
     let class = |x: f64, width: f64| (x / width + RIM).floor() as i64;
@@ -71,7 +71,7 @@ fn pieces(lines: &[Line], areas: bool) -> Vec<Piece> {
             [class(libm::atan2(u.y, u.x), SAME_ANGLE), class((ends[0] - low).dot(&u.left()), SAME_LINE)];
         Some(Piece { class, from, to, ends, line })
     };
-    let of_line = |(k, line): (usize, &Line)| {
+    let of_line = |(k, line): (usize, &DrawnLine)| {
         let next = line.corners.iter().skip(1).chain(line.corners.first().filter(|_| line.closed));
         let sides = line.corners.iter().copied().zip(next.copied());
         sides.filter_map(|side| piece(k, side)).collect::<Vec<_>>()
@@ -118,8 +118,8 @@ mod tests {
     use super::*;
     use lemons_core::plane::{rotation, vec2};
 
-    fn line(corners: &[[f64; 2]]) -> Line {
-        Line {
+    fn line(corners: &[[f64; 2]]) -> DrawnLine {
+        DrawnLine {
             layer: String::new(),
             role: None,
             name: None,
@@ -173,7 +173,7 @@ mod tests {
         let (left, out) = without_overlaps(all.to_vec(), false).unwrap();
         assert_eq!(out, 2);
         // The last two are one, which is longer than the line that it is on.
-        let expected: Vec<Line> =
+        let expected: Vec<DrawnLine> =
             [0, 1, 2, 3, 5].map(|k| all[k].clone()).into_iter().chain([all[7].clone()]).collect();
         assert_eq!(
             left.iter().map(|line| &line.corners).collect::<Vec<_>>(),

@@ -1,11 +1,11 @@
 //! Why the outline of a plan may not be the room.
 
-use super::Line;
+use super::DrawnLine;
 use super::bands::THICKNESS;
 use super::enclosing::{Enclosing, asked, take};
 use super::gap::{number, place};
 use super::pieces::SNAP;
-use super::plan::Plan;
+use super::plan::FloorPlan;
 use super::proposal::{Proposal, about_frame, is_alone};
 use super::sort::{Sort, of_name};
 use super::swings::{self, Swing};
@@ -17,12 +17,12 @@ use std::collections::BTreeMap;
 const MOST: f64 = 0.7;
 
 /// Asks whether the outline of a plan is the frame of a sheet, as a proposal for its walls does.
-fn frame(plan: &Plan, outline: &Ring) -> Option<String> {
+fn frame(plan: &FloorPlan, outline: &Ring) -> Option<String> {
     let sides = || plan.walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]]));
     if plan.has_areas || plan.walls.len() < 2 || !is_alone(outline, sides()) {
         return None;
     }
-    let line = |corners: &Vec<Vec2>| Line {
+    let line = |corners: &Vec<Vec2>| DrawnLine {
         layer: String::new(),
         role: None,
         name: None,
@@ -32,7 +32,7 @@ fn frame(plan: &Plan, outline: &Ring) -> Option<String> {
         hole: false,
         ground: false,
     };
-    let lines: Vec<Line> = plan.walls.iter().map(line).collect();
+    let lines: Vec<DrawnLine> = plan.walls.iter().map(line).collect();
     // Too many lines are not looked at.
     let taken = take(&lines, &[], &Enclosing::default(), None).ok()?;
     let found = Proposal::from(taken, Vec::new(), Vec::new(), Enclosing::default(), None);
@@ -44,7 +44,7 @@ fn frame(plan: &Plan, outline: &Ring) -> Option<String> {
 type Layers = BTreeMap<String, Vec<Vec<Vec2>>>;
 
 /// Returns layers that are no walls by their names, such as frames, titles and texts, with their lines.
-pub(super) fn notes(lines: &[Line]) -> Layers {
+pub(super) fn notes(lines: &[DrawnLine]) -> Layers {
     let mut notes = Layers::new();
     for (_, line) in asked(lines).filter(|(_, line)| of_name(&line.layer) == Some(Sort::Note)) {
         notes.entry(line.layer.clone()).or_default().push(line.corners.clone());
@@ -53,7 +53,7 @@ pub(super) fn notes(lines: &[Line]) -> Layers {
 }
 
 /// Says why the outline of a plan may not be the room; `None` if nothing speaks against it. Without notes, it is no frame.
-pub(super) fn doubt(plan: &Plan, notes: Option<&Layers>) -> Option<String> {
+pub(super) fn doubt(plan: &FloorPlan, notes: Option<&Layers>) -> Option<String> {
     let Some(outline) = plan.outline else {
         return Some("no wall is closed, so nothing is inside".to_owned());
     };

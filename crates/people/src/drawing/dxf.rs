@@ -3,7 +3,7 @@
 mod file;
 
 use super::curve::{Affine, Arc, Spline, sweep};
-use super::{Line, MOST_LETTERS, Reading, Role, Tracer, UnitFrom, check_name};
+use super::{DrawnLine, LayerRole, MOST_LETTERS, Reading, Tracer, UnitFrom, check_name};
 use crate::error::{PeopleError, Result, require};
 use file::{Entity, File, decoded, metres, pairs};
 use lemons_core::plane::{InPlane, Vec2, vec2};
@@ -109,8 +109,8 @@ impl<'f> Walk<'f, '_> {
                 .leave_out(&layer, &format!("width of {width:.3} m of a {kind}: its middle line is taken"));
         }
         let entity = format!("{kind} in line {}", entity.line());
-        let role = Role::of(&layer);
-        self.tracer.take(Line {
+        let role = LayerRole::of(&layer);
+        self.tracer.take(DrawnLine {
             layer,
             role,
             name: None,

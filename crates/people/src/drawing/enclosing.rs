@@ -6,11 +6,11 @@
 use super::bands::{self, THICKNESS};
 use super::gap::{DOOR, Gap, number};
 use super::pieces::{Mended, Piece, SNAP, mended, pieces_of};
-use super::place::Place;
-use super::role::Role;
+use super::place::NamedPlace;
+use super::role::LayerRole;
 use super::sort::{Sort, Sorted, of_name, sorted};
 use super::swings::{Swing, swings_of};
-use super::{Drawing, Line};
+use super::{Drawing, DrawnLine};
 use crate::error::{Result, require};
 use lemons_core::plane::overlay::{self, Contour};
 use lemons_core::plane::{Ring, Vec2, convex_hull};
@@ -78,7 +78,7 @@ pub(super) struct Taken {
 }
 
 /// What a drawing is, before somebody chooses.
-pub(super) fn seen(lines: &[Line]) -> Result<(Sorted, Vec<Swing>)> {
+pub(super) fn seen(lines: &[DrawnLine]) -> Result<(Sorted, Vec<Swing>)> {
     let all: Vec<Piece> =
         pieces_of(asked(lines).filter(|(_, line)| of_name(&line.layer) != Some(Sort::Note)))?;
     let swings = swings_of(lines, &all);
@@ -86,18 +86,23 @@ pub(super) fn seen(lines: &[Line]) -> Result<(Sorted, Vec<Swing>)> {
 }
 
 /// Lines of which no layer says what they are.
-pub(super) fn asked(lines: &[Line]) -> impl Iterator<Item = (usize, &Line)> {
+pub(super) fn asked(lines: &[DrawnLine]) -> impl Iterator<Item = (usize, &DrawnLine)> {
     lines.iter().enumerate().filter(|(_, line)| line.role.is_none())
 }
 
-pub(super) fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Option<f64>) -> Result<Taken> {
+pub(super) fn take(
+    lines: &[DrawnLine],
+    walls: &[String],
+    how: &Enclosing,
+    close: Option<f64>,
+) -> Result<Taken> {
     let (sorted, swings) = seen(lines)?;
     let (taken, mut used) = (how, BTreeSet::new());
-    let is_wall = |line: &Line| {
+    let is_wall = |line: &DrawnLine| {
         if walls.is_empty() { !taken.obstacles.contains(&line.layer) } else { walls.contains(&line.layer) }
     };
     let close = close.unwrap_or(0.0);
-    let of_walls: Vec<(usize, &Line)> = asked(lines).filter(|(_, line)| is_wall(line)).collect();
+    let of_walls: Vec<(usize, &DrawnLine)> = asked(lines).filter(|(_, line)| is_wall(line)).collect();
     used.extend(of_walls.iter().map(|(k, _)| *k));
     let built = of_walls.iter().copied().filter(|(k, _)| !sorted.aside.contains_key(k));
     let drawn = pieces_of(built)?;
@@ -108,7 +113,7 @@ pub(super) fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Opt
     let thick = thick.first().filter(|_| length(&thick) > length(&thicknesses)).map(|(apart, _)| *apart);
     let hull = convex_hull(pieces.iter().flat_map(|piece| [piece.a, piece.b]));
     let hull = Ring::through(hull).map_or(0.0, |ring| ring.area());
-    let may_shut = |line: &Line| {
+    let may_shut = |line: &DrawnLine| {
         let layer = sorted.layers.iter().find(|layer| layer.name == line.layer);
         layer.is_some_and(|layer| matches!(layer.sort, Sort::Window | Sort::Wall | Sort::Unclear))
     };
@@ -117,7 +122,7 @@ pub(super) fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Opt
     let found = bands::enclose(Mended { pieces, closed: Vec::new(), loose }, &swings, &panes, how.widest)?;
     let mut blobs = Vec::new();
     for layer in &how.obstacles {
-        let own: Vec<(usize, &Line)> = asked(lines).filter(|(_, line)| line.layer == *layer).collect();
+        let own: Vec<(usize, &DrawnLine)> = asked(lines).filter(|(_, line)| line.layer == *layer).collect();
         used.extend(own.iter().map(|(k, _)| *k));
         blobs.push((layer.clone(), bands::blobs(&mended(pieces_of(own.into_iter())?, close))));
     }
@@ -127,7 +132,7 @@ pub(super) fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Opt
     let (ground, cut_off) = bands::without(&found.ground, &all);
     let place = |polygon: &Vec<Contour>| {
         let corners = polygon.first()?.iter().map(|corner| Vec2::from(*corner)).collect();
-        Some((Place { name: String::new(), corners }.middle().0, overlay::area(polygon)))
+        Some((NamedPlace { name: String::new(), corners }.middle().0, overlay::area(polygon)))
     };
     let cut_off = cut_off.iter().filter_map(place).filter(|(_, area)| *area >= SMALL_ROOM).collect();
     let bands::Enclosed { gaps, wide, others, .. } = found;
@@ -167,8 +172,8 @@ impl Taken {
     }
 }
 
-pub(super) fn has_areas(lines: &[Line]) -> bool {
-    lines.iter().any(|line| line.has(Role::WalkableArea) || line.has(Role::Obstacle))
+pub(super) fn has_areas(lines: &[DrawnLine]) -> bool {
+    lines.iter().any(|line| line.has(LayerRole::WalkableArea) || line.has(LayerRole::Obstacle))
 }
 
 /// Pieces of walls within the ground, but not in a passage: they are no rim, and stay as they are.
@@ -198,11 +203,11 @@ fn left(contour: &Contour) -> Contour {
 /// # Errors
 /// Walls enclose nothing, a layer is not there, or there are too many lines.
 pub(super) fn taken(
-    mut lines: Vec<Line>,
+    mut lines: Vec<DrawnLine>,
     walls: &[String],
     close: Option<f64>,
     how: &Enclosing,
-) -> Result<(Vec<Line>, Vec<f64>)> {
+) -> Result<(Vec<DrawnLine>, Vec<f64>)> {
     require(!has_areas(&lines), || {
         "its layers say what is a walkable area or an obstacle: walls that enclose a room are not looked for"
             .to_owned()
@@ -238,7 +243,7 @@ pub(super) fn taken(
     });
     let line = |corners: Vec<Vec2>, closed: bool| {
         let (layer, entity) = (layer.clone(), "a rim of the ground".to_owned());
-        Line { layer, role: None, name: None, entity, corners, closed, hole: false, ground: false }
+        DrawnLine { layer, role: None, name: None, entity, corners, closed, hole: false, ground: false }
     };
     let rim = |contour: &Contour| contour.iter().map(|corner| Vec2::from(*corner)).collect();
     lines.extend(ground.iter().map(|contour| line(rim(contour), true)));

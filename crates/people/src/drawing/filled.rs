@@ -1,7 +1,7 @@
 //! What is filled of a path of several parts: rims and holes.
 
 use crate::error::{Result, require};
-use lemons_core::plane::overlay::{self, Contour, Fill, contour};
+use lemons_core::plane::overlay::{self, Contour, InsideRule, contour};
 use lemons_core::plane::{Ring, Vec2, sides_that_meet};
 
 /// Largest number of corners of all paths of several parts: some of it takes the square of this.
@@ -29,7 +29,7 @@ pub(super) fn parts_of(
         })?;
         let drawn = if sides_that_meet(&rings).is_none() { rims(&rings, even_odd) } else { None };
         let crossed = || {
-            let fill = if even_odd { Fill::EvenOdd } else { Fill::NonZero };
+            let fill = if even_odd { InsideRule::EvenOdd } else { InsideRule::NonZero };
             let contours: Vec<Contour> = rings.iter().map(contour).collect();
             let left = overlay::difference(&contours, &[], fill);
             left.iter().map(|rings| rings.iter().filter_map(overlay::ring).collect()).collect()

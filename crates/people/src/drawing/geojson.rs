@@ -1,8 +1,8 @@
 //! GeoJSON -> lines. Coordinates are those of a plane, not longitude and latitude.
 
 use super::curve::Affine;
-use super::role::Role;
-use super::{Line, Reading, Tracer, UnitFrom, check_name};
+use super::role::LayerRole;
+use super::{DrawnLine, Reading, Tracer, UnitFrom, check_name};
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::{Vec2, vec2};
 use serde_json::Value;
@@ -107,13 +107,13 @@ impl Walk<'_> {
         // Only the name of a layer has something before it; the others are free text.
         let role = |(k, text): (usize, Option<&'_ str>)| {
             let text = text?;
-            Some((text.to_owned(), if k == 0 { Role::of(text) } else { Role::of_name(text) }?))
+            Some((text.to_owned(), if k == 0 { LayerRole::of(text) } else { LayerRole::of_name(text) }?))
         };
         let mut roles = texts.into_iter().enumerate().filter_map(role);
         let (with_role, role) = roles.next().unzip();
         let layer = with_role.or(texts.into_iter().flatten().next().map(str::to_owned)).unwrap_or_default();
         let name = texts[1].filter(|name| *name != layer).map(str::to_owned);
-        self.tracer.take(Line {
+        self.tracer.take(DrawnLine {
             layer,
             role,
             name,

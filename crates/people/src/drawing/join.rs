@@ -1,6 +1,6 @@
 //! Ends of lines that meet, joined; lines that are drawn twice, left out.
 
-use super::Line;
+use super::DrawnLine;
 use crate::error::{Result, require};
 use lemons_core::plane::Vec2;
 use std::collections::{HashMap, HashSet};
@@ -51,7 +51,7 @@ impl Near {
 
 /// Joins open lines whose ends are at one place, where no third one ends; then those that are at most `gap` \[m\] apart,
 /// the nearest first. Both ends go to the middle of a gap.
-pub(super) fn join(lines: Vec<Line>, gap: Option<f64>) -> Result<(Vec<Line>, Joined)> {
+pub(super) fn join(lines: Vec<DrawnLine>, gap: Option<f64>) -> Result<(Vec<DrawnLine>, Joined)> {
     // End 2 k is the first corner of line k, end 2 k + 1 its last one.
     let ends: Vec<Option<Vec2>> = lines.iter().flat_map(ends_of).collect();
     let at = |end: usize| ends[end].unwrap_or(Vec2::zeros());
@@ -90,7 +90,7 @@ type Pair = (f64, usize, usize);
 
 /// Returns pairs of ends that are at most `gap` apart, the nearest first, each end in one of them at most.
 fn nearest_pairs(
-    lines: &[Line],
+    lines: &[DrawnLine],
     ends: &[Option<Vec2>],
     links: &[Option<usize>],
     crossing: &[bool],
@@ -110,7 +110,7 @@ fn nearest_pairs(
 }
 
 /// Returns the first and the last corner of an open line; none of others.
-fn ends_of(line: &Line) -> [Option<Vec2>; 2] {
+fn ends_of(line: &DrawnLine) -> [Option<Vec2>; 2] {
     match line.corners[..] {
         [first, .., last] if !line.closed => [Some(first), Some(last)],
         _ => [None, None],
@@ -118,7 +118,7 @@ fn ends_of(line: &Line) -> [Option<Vec2>; 2] {
 }
 
 /// Returns whether two ends may be joined: a line is closed only if it gets an inside.
-fn may_close(lines: &[Line], a: usize, b: usize) -> bool {
+fn may_close(lines: &[DrawnLine], a: usize, b: usize) -> bool {
     a / 2 != b / 2 || lines[a / 2].corners.len() > 3
 }
 
@@ -146,7 +146,7 @@ fn pairs(ends: &[Option<Vec2>], open: Vec<usize>, gap: f64) -> Result<Vec<Pair>>
 }
 
 /// Puts linked lines together, each where its first part was.
-fn chains(lines: Vec<Line>, links: &[Option<usize>]) -> Vec<Line> {
+fn chains(lines: Vec<DrawnLine>, links: &[Option<usize>]) -> Vec<DrawnLine> {
     let mut used = vec![false; lines.len()];
     let mut all = Vec::new();
     // Open chains begin at an end that is free, the others anywhere.
@@ -167,9 +167,14 @@ fn chains(lines: Vec<Line>, links: &[Option<usize>]) -> Vec<Line> {
     all.into_iter().map(|(_, line)| line).collect()
 }
 
-fn chain(lines: &[Line], links: &[Option<usize>], begin: usize, used: &mut [bool]) -> (usize, Line) {
+fn chain(
+    lines: &[DrawnLine],
+    links: &[Option<usize>],
+    begin: usize,
+    used: &mut [bool],
+) -> (usize, DrawnLine) {
     let first = begin / 2;
-    let mut line = Line { corners: Vec::new(), ..lines[first].clone() };
+    let mut line = DrawnLine { corners: Vec::new(), ..lines[first].clone() };
     let (mut end, mut place) = (begin, first);
     loop {
         let k = end / 2;
@@ -224,9 +229,9 @@ type Piece = [Cell; 2];
 /// Returns the lines without those that lie on others, corner by corner; how many these are; and how many pieces of those
 /// that are left lie on each other. With `areas`, closed lines are left out only where the same one is there: an area between
 /// others has all its sides on theirs, and counts all the same.
-pub(super) fn without_doubles(lines: Vec<Line>, areas: bool) -> (Vec<Line>, usize, usize) {
+pub(super) fn without_doubles(lines: Vec<DrawnLine>, areas: bool) -> (Vec<DrawnLine>, usize, usize) {
     let pieces: Vec<Vec<Piece>> = lines.iter().map(pieces_of).collect();
-    let is_area = |line: &Line| areas && goes_round(line);
+    let is_area = |line: &DrawnLine| areas && goes_round(line);
     // A line may be a piece of another, which is longer.
     let mut order: Vec<usize> = (0..lines.len()).filter(|&k| !is_area(&lines[k])).collect();
     order.sort_by_key(|&k| (std::cmp::Reverse(pieces[k].len()), k));
@@ -256,12 +261,12 @@ pub(super) fn without_doubles(lines: Vec<Line>, areas: bool) -> (Vec<Line>, usiz
 }
 
 /// Returns whether a line is closed, or ends where it begins.
-fn goes_round(line: &Line) -> bool {
+fn goes_round(line: &DrawnLine) -> bool {
     let [first, _, _, .., last] = line.corners[..] else { return line.closed };
     line.closed || (last - first).norm() <= SAME
 }
 
-fn pieces_of(line: &Line) -> Vec<Piece> {
+fn pieces_of(line: &DrawnLine) -> Vec<Piece> {
     let cells: Vec<Cell> =
         line.corners.iter().map(|corner| cell(*corner + Vec2::from([0.5 * SAME; 2]), SAME)).collect();
     let ends = cells.iter().skip(1).chain(line.closed.then(|| &cells[0]));

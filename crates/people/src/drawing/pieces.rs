@@ -1,6 +1,6 @@
 //! Straight pieces of lines, found by where they are, and their ends mended.
 
-use super::Line;
+use super::DrawnLine;
 use crate::error::{Result, require};
 use lemons_core::plane::{Bounds, InPlane, Vec2, nearest_on_segment, segments_cross};
 use std::collections::HashMap;
@@ -57,7 +57,7 @@ impl Piece {
 ///
 /// # Errors
 /// There are too many.
-pub(super) fn pieces_of<'a>(lines: impl Iterator<Item = (usize, &'a Line)>) -> Result<Vec<Piece>> {
+pub(super) fn pieces_of<'a>(lines: impl Iterator<Item = (usize, &'a DrawnLine)>) -> Result<Vec<Piece>> {
     let mut pieces = Vec::new();
     let mut known = std::collections::HashSet::new();
     let cell = |at: Vec2| ((at.x / 1e-6).round() as i64, (at.y / 1e-6).round() as i64);

@@ -4,14 +4,14 @@ use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 
 /// A place with a name.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Place {
+pub struct NamedPlace {
     /// No two of a kind have the same.
     pub name: String,
     /// \[m\] One is a point, two are a line, more are an area.
     pub corners: Vec<Vec2>,
 }
 
-impl Place {
+impl NamedPlace {
     /// Returns its middle \[m\], and how far its sides are from there; none of a point. Where the middle of an area lies
     /// outside, or close to a side, it is another place inside.
     pub fn middle(&self) -> (Vec2, Option<f64>) {

@@ -1,9 +1,9 @@
 //! Places of a drawn room that nobody can be at, or get to, in words.
 
-use super::place::Place;
-use super::plan::Plan;
+use super::place::NamedPlace;
+use super::plan::FloorPlan;
 use crate::{closed_walls, is_closed};
-use lemons_core::plane::overlay::{self, Contour, Fill, contour, intersection, ring};
+use lemons_core::plane::overlay::{self, Contour, InsideRule, contour, intersection, ring};
 use lemons_core::plane::{Ring, Vec2};
 
 /// A closed wall that holds more of a region is taken as the room.
@@ -24,7 +24,7 @@ struct Ground {
 }
 
 impl Ground {
-    fn of(plan: &Plan) -> Ground {
+    fn of(plan: &FloorPlan) -> Ground {
         let all = closed_walls(&plan.geometry(""));
         let depth = |k: usize| {
             let corner = all[k].corners()[0];
@@ -73,7 +73,7 @@ impl Part {
     fn of<'a>(corners: &[Vec2], rings: impl Iterator<Item = &'a Ring>) -> Option<Part> {
         let own = Ring::through(corners.to_vec()).filter(|own| own.is_simple() && own.area() > 0.0)?;
         let rings: Vec<Contour> = rings.map(contour).collect();
-        let inside = intersection(&[contour(&own)], &rings, Fill::EvenOdd);
+        let inside = intersection(&[contour(&own)], &rings, InsideRule::EvenOdd);
         let least = ROUNDING * own.area();
         let areas = inside.iter().map(|piece| overlay::area(piece));
         let largest = inside.iter().max_by(|a, b| overlay::area(a).total_cmp(&overlay::area(b)));
@@ -88,7 +88,7 @@ impl Part {
 
 /// Returns the largest piece of a distribution that is ground: as it is, if all of it is; `None` if nothing is, or if
 /// obstacles are most of what it is around. Without closed walls everything is ground.
-pub fn inside(plan: &Plan, corners: &[Vec2]) -> Option<Vec<Vec2>> {
+pub fn inside(plan: &FloorPlan, corners: &[Vec2]) -> Option<Vec<Vec2>> {
     let ground = Ground::of(plan);
     if ground.rooms.is_empty() {
         return Some(corners.to_vec());
@@ -101,14 +101,14 @@ pub fn inside(plan: &Plan, corners: &[Vec2]) -> Option<Vec<Vec2>> {
 }
 
 /// Says which places lie outside all closed walls or in obstacles, and which areas do not touch that of the outline.
-pub fn doubts(plan: &Plan) -> Vec<String> {
+pub fn doubts(plan: &FloorPlan) -> Vec<String> {
     let ground = Ground::of(plan);
     let outside = ground.outside();
     let mut doubts = Vec::new();
     if ground.rooms.is_empty() {
         return doubts;
     }
-    let named = |what: &str, Place { name, corners }: &Place| {
+    let named = |what: &str, NamedPlace { name, corners }: &NamedPlace| {
         let [x, y] = corners[0].into();
         format!("{what} {name:?} at ({x:.2}, {y:.2}) m")
     };
@@ -177,9 +177,9 @@ pub fn doubts(plan: &Plan) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drawing::{Format, PlanSettings, Read, Reading};
+    use crate::drawing::{DrawingFormat, PlanSettings, Read, Reading};
 
-    fn plan(areas: &[(&str, [f64; 4])]) -> Plan {
+    fn plan(areas: &[(&str, [f64; 4])]) -> FloorPlan {
         let feature = |(layer, [x, y, right, top]): &(&str, [f64; 4])| {
             format!(
                 "{{\"type\":\"Feature\",\"properties\":{{\"layer\":\"{layer}\"}},\"geometry\":{{\"type\":\"Polygon\",\
@@ -188,7 +188,8 @@ mod tests {
         };
         let all: Vec<String> = areas.iter().map(feature).collect();
         let text = format!("{{\"type\":\"FeatureCollection\",\"features\":[{}]}}", all.join(","));
-        let read = Read::of(Format::GeoJson, text.as_bytes(), &Reading::default(), &PlanSettings::default());
+        let read =
+            Read::of(DrawingFormat::GeoJson, text.as_bytes(), &Reading::default(), &PlanSettings::default());
         read.unwrap().plan
     }
 

@@ -4,9 +4,9 @@ use super::areas::{Areas, MOST_CORNERS, areas, corners};
 use super::collinear::without_overlaps;
 use super::enclosing::{Enclosing, taken};
 use super::join::{Joined, join, without_doubles};
-use super::place::Place;
-use super::role::Role;
-use super::{Drawing, Line, is_same, some_of};
+use super::place::NamedPlace;
+use super::role::LayerRole;
+use super::{Drawing, DrawnLine, is_same, some_of};
 use crate::error::{PeopleError, Result, require};
 use crate::placing::{FARTHEST, Region};
 use crate::{Door, closed_walls};
@@ -25,7 +25,7 @@ const AT_A_WALL: f64 = 0.2;
 
 /// How a drawing becomes a plan.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Settings {
+pub struct FloorPlanSettings {
     /// \[m\] Ends of lines that are at most so far apart are joined.
     pub close: Option<f64>,
     /// Whether the lower left corner of everything goes to the origin.
@@ -36,27 +36,27 @@ pub struct Settings {
     pub enclosing: Option<Enclosing>,
 }
 
-impl Settings {
+impl FloorPlanSettings {
     /// Returns settings with the layers of a drawing.
-    fn parted(&self, drawing: &Drawing) -> Settings {
+    fn parted(&self, drawing: &Drawing) -> FloorPlanSettings {
         let enclosing = self.enclosing.as_ref().map(|how| how.parted(drawing));
-        Settings { walls: drawing.layers(&self.walls), enclosing, ..self.clone() }
+        FloorPlanSettings { walls: drawing.layers(&self.walls), enclosing, ..self.clone() }
     }
 }
 
 /// A room, and what is in it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
+pub struct FloorPlan {
     /// \[m\] Walls; the first corner of a closed one is repeated at its end.
     pub walls: Vec<Vec<Vec2>>,
     /// The wall around the walkable area, or else around most; none where no wall is closed.
     pub outline: Option<usize>,
     /// Lines and areas.
-    pub exits: Vec<Place>,
+    pub exits: Vec<NamedPlace>,
     /// Areas.
-    pub distributions: Vec<Place>,
+    pub distributions: Vec<NamedPlace>,
     /// Points and areas.
-    pub waypoints: Vec<Place>,
+    pub waypoints: Vec<NamedPlace>,
     /// Gaps that were closed.
     pub joined: Joined,
     /// Number of lines that lay on others, and were left out.
@@ -75,12 +75,12 @@ pub struct Plan {
     pub has_areas: bool,
 }
 
-impl Plan {
+impl FloorPlan {
     /// Says what the lines of a drawing mean.
     ///
     /// # Errors
     /// There are no walls, or an area crosses itself.
-    pub fn of(drawing: Drawing, settings: &Settings) -> Result<Plan> {
+    pub fn of(drawing: Drawing, settings: &FloorPlanSettings) -> Result<FloorPlan> {
         let settings = &settings.parted(&drawing);
         let Drawing { mut lines, mut left_out, .. } = drawing;
         check_layers(&settings.walls, &lines, &left_out)?;
@@ -88,21 +88,21 @@ impl Plan {
         if let Some(how) = &settings.enclosing {
             (lines, mended) = taken(lines, &settings.walls, settings.close, how)?;
         }
-        let says = |role: Role| lines.iter().any(|line| line.has(role));
-        let named_areas = says(Role::WalkableArea) || says(Role::Obstacle);
+        let says = |role: LayerRole| lines.iter().any(|line| line.has(role));
+        let named_areas = says(LayerRole::WalkableArea) || says(LayerRole::Obstacle);
         let has_areas = named_areas || lines.iter().any(|line| line.ground);
-        let (mut walls, mut places) = (Vec::new(), BTreeMap::<Role, Vec<(String, Line)>>::new());
-        let mut leave_out = |line: &Line, why: &str| {
+        let (mut walls, mut places) = (Vec::new(), BTreeMap::<LayerRole, Vec<(String, DrawnLine)>>::new());
+        let mut leave_out = |line: &DrawnLine, why: &str| {
             let kind = line.entity.split(" in line").next().unwrap_or("").split(" at ").next().unwrap_or("");
             *left_out.entry((line.layer.clone(), format!("{kind}{why}"))).or_default() += 1;
         };
         for line in lines {
             match &line.role {
-                Some((role @ (Role::Exit | Role::Distribution | Role::Waypoint), name)) => {
+                Some((role @ (LayerRole::Exit | LayerRole::Distribution | LayerRole::Waypoint), name)) => {
                     let (role, name) = (*role, line.name.as_ref().unwrap_or(name).clone());
                     places.entry(role).or_default().push((name, line));
                 }
-                Some((Role::Unused, _)) => leave_out(&line, " (of JuPedSim, not used)"),
+                Some((LayerRole::Unused, _)) => leave_out(&line, " (of JuPedSim, not used)"),
                 None if named_areas => leave_out(&line, " (layer without a meaning)"),
                 None if !settings.walls.is_empty() && !asked_for(&settings.walls, &line.layer) => {
                     leave_out(&line, " (layer not asked for)");
@@ -127,23 +127,24 @@ impl Plan {
         let doubles = doubles + overlaps;
         joined.gaps += mended.len();
         joined.largest = mended.into_iter().fold(joined.largest, f64::max);
-        let named = |role: Role, enough: usize, closed: bool, leave_out: &mut dyn FnMut(&Line, &str)| {
-            let lines = places.get(&role).into_iter().flatten();
-            let used = lines.filter(|(_, line)| {
-                let used = line.corners.len() >= enough && (line.closed || !closed);
-                if !used {
-                    leave_out(line, if closed { " (not closed)" } else { " (no length)" });
-                }
-                if used && line.hole {
-                    leave_out(line, " (hole)");
-                }
-                used && !line.hole
-            });
-            named(used)
-        };
-        let exits = named(Role::Exit, 2, false, &mut leave_out);
-        let distributions = named(Role::Distribution, 3, true, &mut leave_out);
-        let waypoints = named(Role::Waypoint, 1, false, &mut leave_out);
+        let named =
+            |role: LayerRole, enough: usize, closed: bool, leave_out: &mut dyn FnMut(&DrawnLine, &str)| {
+                let lines = places.get(&role).into_iter().flatten();
+                let used = lines.filter(|(_, line)| {
+                    let used = line.corners.len() >= enough && (line.closed || !closed);
+                    if !used {
+                        leave_out(line, if closed { " (not closed)" } else { " (no length)" });
+                    }
+                    if used && line.hole {
+                        leave_out(line, " (hole)");
+                    }
+                    used && !line.hole
+                });
+                named(used)
+            };
+        let exits = named(LayerRole::Exit, 2, false, &mut leave_out);
+        let distributions = named(LayerRole::Distribution, 3, true, &mut leave_out);
+        let waypoints = named(LayerRole::Waypoint, 1, false, &mut leave_out);
         require(!walls.is_empty(), || {
             let what: Vec<String> = left_out.iter().map(super::left_out).collect();
             format!("there are no walls in this drawing; left out: {}", what.join(", "))
@@ -153,7 +154,7 @@ impl Plan {
         } else {
             Areas { walls: walls.into_iter().map(corners).collect(), ..Areas::default() }
         };
-        let mut plan = Plan {
+        let mut plan = FloorPlan {
             outline: None,
             walls,
             exits,
@@ -231,8 +232,8 @@ impl Plan {
     }
 
     /// Makes the plan of the walls of a Trial, with exits.
-    pub fn of_geometry(geometry: &Geometry, exits: Vec<Place>) -> Plan {
-        let mut plan = Plan {
+    pub fn of_geometry(geometry: &Geometry, exits: Vec<NamedPlace>) -> FloorPlan {
+        let mut plan = FloorPlan {
             walls: geometry.walls.iter().map(|wall| wall.corners.clone()).collect(),
             outline: None,
             exits,
@@ -288,19 +289,19 @@ impl Plan {
         })?;
         let name =
             (1..).map(|k| format!("door {k}")).find(|name| !self.exits.iter().any(|exit| exit.name == *name));
-        self.exits.push(Place { name: name.unwrap_or_default(), corners: line.to_vec() });
+        self.exits.push(NamedPlace { name: name.unwrap_or_default(), corners: line.to_vec() });
         Ok(())
     }
 
     /// Returns the numbers of the exits that lie inside a closed wall, and are no doors: who leaves there is still in the room.
     pub fn inner_exits(&self) -> Vec<usize> {
         let (closed, doors) = (closed_walls(&self.geometry("")), self.doors());
-        let inside = |exit: &Place, wall: &Ring| {
+        let inside = |exit: &NamedPlace, wall: &Ring| {
             exit.corners
                 .iter()
                 .all(|corner| wall.contains(*corner) || wall.nearest(*corner).distance <= ON_A_WALL)
         };
-        let is_inner = |(k, exit): (usize, &Place)| {
+        let is_inner = |(k, exit): (usize, &NamedPlace)| {
             let door = doors.iter().any(|(of, _)| *of == k);
             (!door && closed.iter().any(|wall| inside(exit, wall))).then_some(k)
         };
@@ -308,12 +309,12 @@ impl Plan {
     }
 
     /// Returns the way-points, if their names end in numbers that say their order.
-    pub fn way(&self) -> Option<Vec<&Place>> {
-        let number = |place: &Place| {
+    pub fn way(&self) -> Option<Vec<&NamedPlace>> {
+        let number = |place: &NamedPlace| {
             let digits = place.name.len() - place.name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
             place.name[place.name.len() - digits..].parse::<u64>().ok()
         };
-        let mut way: Vec<(u64, &Place)> =
+        let mut way: Vec<(u64, &NamedPlace)> =
             self.waypoints.iter().map(|place| Some((number(place)?, place))).collect::<Option<_>>()?;
         way.sort_by_key(|(number, _)| *number);
         let differ = way.windows(2).all(|pair| pair[0].0 < pair[1].0);
@@ -328,7 +329,7 @@ fn asked_for(walls: &[String], layer: &str) -> bool {
 /// Refuses layers that are not in the drawing.
 fn check_layers(
     walls: &[String],
-    lines: &[Line],
+    lines: &[DrawnLine],
     left_out: &BTreeMap<(String, String), usize>,
 ) -> Result<()> {
     let there: BTreeSet<&str> =
@@ -348,8 +349,8 @@ fn check_layers(
 }
 
 /// Returns places with names of which no two are equal: those that are, or that are missing, get a number.
-fn named<'a>(lines: impl Iterator<Item = &'a (String, Line)>) -> Vec<Place> {
-    let mut places: Vec<Place> = Vec::new();
+fn named<'a>(lines: impl Iterator<Item = &'a (String, DrawnLine)>) -> Vec<NamedPlace> {
+    let mut places: Vec<NamedPlace> = Vec::new();
     for (name, line) in lines {
         let corners = line.corners.clone();
         let corners = if line.closed || corners.len() < 3 {
@@ -364,7 +365,7 @@ fn named<'a>(lines: impl Iterator<Item = &'a (String, Line)>) -> Vec<Place> {
         } else {
             (places.len()..).map(numbered).find(is_new).unwrap_or_default()
         };
-        places.push(Place { name, corners });
+        places.push(NamedPlace { name, corners });
     }
     places
 }

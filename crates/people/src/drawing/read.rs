@@ -2,7 +2,8 @@
 
 use super::areas::TOUCH;
 use super::{
-    Drawing, Format, Place, Plan, PlanSettings, Reading, Role, UNITS, UnitFrom, WIDEST_GAP, left_out, some_of,
+    Drawing, DrawingFormat, FloorPlan, LayerRole, NamedPlace, PlanSettings, Reading, UNITS, UnitFrom,
+    WIDEST_GAP, left_out, some_of,
 };
 use super::{doubt, places};
 use crate::error::Result;
@@ -22,12 +23,12 @@ const MOST_LEFT_OUT: usize = 100;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Read {
     /// What its lines mean.
-    pub plan: Plan,
+    pub plan: FloorPlan,
     /// Layers without a meaning, of which [`PlanSettings::walls`] can choose; none where others have one.
     pub layers: Vec<String>,
     /// Why the outline may not be the room; none where nothing speaks against it, or somebody has said what it is.
     pub doubt: Option<String>,
-    format: Format,
+    format: DrawingFormat,
     unit: f64,
     unit_from: UnitFrom,
     curves: usize,
@@ -47,21 +48,27 @@ impl Read {
     ///
     /// # Errors
     /// Those of [`Drawing::read`] and [`Plan::of`].
-    pub fn of(format: Format, bytes: &[u8], reading: &Reading, settings: &PlanSettings) -> Result<Read> {
+    pub fn of(
+        format: DrawingFormat,
+        bytes: &[u8],
+        reading: &Reading,
+        settings: &PlanSettings,
+    ) -> Result<Read> {
         let drawing = Drawing::read(format, bytes, reading)?;
         let &Drawing { unit, unit_from, curves, .. } = &drawing;
-        let mut layers: BTreeMap<String, Option<Role>> = BTreeMap::new();
+        let mut layers: BTreeMap<String, Option<LayerRole>> = BTreeMap::new();
         for line in &drawing.lines {
             layers.entry(line.layer.clone()).or_insert_with(|| line.role.as_ref().map(|(role, _)| *role));
         }
-        let has_areas = layers.values().any(|role| matches!(role, Some(Role::WalkableArea | Role::Obstacle)));
+        let has_areas =
+            layers.values().any(|role| matches!(role, Some(LayerRole::WalkableArea | LayerRole::Obstacle)));
         if has_areas {
             layers.clear();
         }
         let (deviation, close) = (reading.deviation, settings.close);
         // Who names walls knows that no frame is among them.
         let notes = settings.walls.is_empty().then(|| doubt::notes(&drawing.lines));
-        let plan = Plan::of(drawing, settings)?;
+        let plan = FloorPlan::of(drawing, settings)?;
         let is_said = settings.enclosing.is_some() || has_areas || plan.ground.is_some();
         let doubt = (!is_said).then(|| doubt::doubt(&plan, notes.as_ref())).flatten();
         let layers = layers.into_iter().filter(|(_, role)| role.is_none()).map(|(layer, _)| layer).collect();
@@ -113,7 +120,7 @@ impl Read {
         }
         said.extend(self.doubt.clone().map(|doubt| ("in doubt", doubt)));
         self.changes(&mut said);
-        let named = |places: &[Place]| {
+        let named = |places: &[NamedPlace]| {
             // Names may hold anything.
             let names: Vec<String> =
                 places.iter().map(|place| place.name.escape_debug().to_string()).collect();
@@ -182,7 +189,7 @@ impl Read {
 
     /// What is other than in the drawing.
     fn changes(&self, said: &mut Vec<(&'static str, String)>) {
-        let Plan { joined, doubles, on_others, ground, .. } = &self.plan;
+        let FloorPlan { joined, doubles, on_others, ground, .. } = &self.plan;
         if self.curves > 0 {
             said.push((
                 "curves",

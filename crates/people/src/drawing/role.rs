@@ -2,7 +2,7 @@
 
 /// What is on a layer, as its name says: `walkablearea-…`, `obstacles-…`, `exits-…`, `distributions-…`, `waypoints-…`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Role {
+pub enum LayerRole {
     /// Outlines of where people walk.
     WalkableArea,
     /// What stands there.
@@ -17,28 +17,28 @@ pub enum Role {
     Unused,
 }
 
-const PLURALS: [(&str, Role); 9] = [
-    ("walkablearea", Role::WalkableArea),
-    ("walkable_area", Role::WalkableArea),
-    ("walkable-area", Role::WalkableArea),
-    ("walkable area", Role::WalkableArea),
-    ("obstacles", Role::Obstacle),
-    ("exits", Role::Exit),
-    ("distributions", Role::Distribution),
-    ("waypoints", Role::Waypoint),
-    ("journeys", Role::Unused),
+const PLURALS: [(&str, LayerRole); 9] = [
+    ("walkablearea", LayerRole::WalkableArea),
+    ("walkable_area", LayerRole::WalkableArea),
+    ("walkable-area", LayerRole::WalkableArea),
+    ("walkable area", LayerRole::WalkableArea),
+    ("obstacles", LayerRole::Obstacle),
+    ("exits", LayerRole::Exit),
+    ("distributions", LayerRole::Distribution),
+    ("waypoints", LayerRole::Waypoint),
+    ("journeys", LayerRole::Unused),
 ];
-const SINGULARS: [(&str, Role); 4] = [
-    ("obstacle", Role::Obstacle),
-    ("exit", Role::Exit),
-    ("distribution", Role::Distribution),
-    ("waypoint", Role::Waypoint),
+const SINGULARS: [(&str, LayerRole); 4] = [
+    ("obstacle", LayerRole::Obstacle),
+    ("exit", LayerRole::Exit),
+    ("distribution", LayerRole::Distribution),
+    ("waypoint", LayerRole::Waypoint),
 ];
 
-impl Role {
+impl LayerRole {
     /// Returns the role that the name of a layer of a CAD program says, as `of_name`. What drawings in drawings put
     /// before a name is passed over: `plan$0$exits-0`, `plan|exits-0`, and of numbers `0 - exits-0`.
-    pub fn of(layer: &str) -> Option<(Role, String)> {
+    pub fn of(layer: &str) -> Option<(LayerRole, String)> {
         const BEFORE: [&str; 6] = ["$", "|", "::", "/", "\\", " - "];
         let layer = layer.trim();
         let is_number = |before: &str| before.trim().bytes().all(|byte| byte.is_ascii_digit());
@@ -47,13 +47,13 @@ impl Role {
         let mut begins: Vec<usize> =
             std::iter::once(0).chain(ends.map(|(at, sign)| at + sign.len())).collect();
         begins.sort_unstable();
-        begins.into_iter().find_map(|begin| Role::of_name(&layer[begin..]))
+        begins.into_iter().find_map(|begin| LayerRole::of_name(&layer[begin..]))
     }
 
     /// Returns the role that a name says, in any case, and the rest of the name. Singular words are meant only alone, or
     /// before a number: a layer of exit signs has no exits. `jps-` of JuPedSim, all of whose layers have a role, may be
     /// before it.
-    pub(super) fn of_name(layer: &str) -> Option<(Role, String)> {
+    pub(super) fn of_name(layer: &str) -> Option<(LayerRole, String)> {
         let layer = layer.trim();
         // The longer ones as in example drawings of JuPedSim of 2023.
         let sign = ["jps-", "jps_", "jps ", "jupedsim_", "jupedsim-"]
@@ -72,19 +72,19 @@ impl Role {
         let plural = PLURALS.iter().find_map(|(word, role)| Some((*role, rest(word)?)));
         let number = |name: &String| name.chars().all(|c| c.is_ascii_digit());
         let singular = || SINGULARS.iter().find_map(|(word, role)| Some((*role, rest(word).filter(number)?)));
-        let unknown = || sign.filter(|sign| sign.len() == 4).map(|_| (Role::Unused, layer.to_owned()));
+        let unknown = || sign.filter(|sign| sign.len() == 4).map(|_| (LayerRole::Unused, layer.to_owned()));
         plural.or_else(singular).or_else(unknown)
     }
 
     /// Returns the beginning of the layers' names.
     pub fn layer(self) -> &'static str {
         match self {
-            Role::WalkableArea => "walkablearea",
-            Role::Obstacle => "obstacles",
-            Role::Exit => "exits",
-            Role::Distribution => "distributions",
-            Role::Waypoint => "waypoints",
-            Role::Unused => "journeys",
+            LayerRole::WalkableArea => "walkablearea",
+            LayerRole::Obstacle => "obstacles",
+            LayerRole::Exit => "exits",
+            LayerRole::Distribution => "distributions",
+            LayerRole::Waypoint => "waypoints",
+            LayerRole::Unused => "journeys",
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What the lines of a layer seem to be: by the layer's name, else by how they lie.
 
-use super::Line;
+use super::DrawnLine;
 use super::bands::{self, THICKNESS};
 use super::pieces::{Grid, Piece, mended, pieces_of};
 use super::swings::Swing;
@@ -187,7 +187,7 @@ const TREAD: [f64; 2] = [0.2, 0.45];
 const FEWEST_STEPS: usize = 4;
 
 /// Says what lines and layers of a drawing are. Those that have a role are not asked for.
-pub(super) fn sorted(lines: &[Line], swings: &[Swing], all: &[Piece]) -> Result<Sorted> {
+pub(super) fn sorted(lines: &[DrawnLine], swings: &[Swing], all: &[Piece]) -> Result<Sorted> {
     let mut of_layer: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for (k, line) in lines.iter().enumerate().filter(|(_, line)| line.corners.len() > 1) {
         of_layer.entry(&line.layer).or_default().push(k);
@@ -231,7 +231,7 @@ pub(super) fn sorted(lines: &[Line], swings: &[Swing], all: &[Piece]) -> Result<
     Ok(Sorted { layers, aside, flights })
 }
 
-fn by_shape(lines: &[Line], own: &[usize], aside: &BTreeMap<usize, Sort>) -> Result<Sort> {
+fn by_shape(lines: &[DrawnLine], own: &[usize], aside: &BTreeMap<usize, Sort>) -> Result<Sort> {
     let mut counts: BTreeMap<Sort, usize> = BTreeMap::new();
     for sort in own.iter().filter_map(|k| aside.get(k)) {
         *counts.entry(*sort).or_default() += 1;
@@ -260,8 +260,8 @@ fn by_shape(lines: &[Line], own: &[usize], aside: &BTreeMap<usize, Sort>) -> Res
 }
 
 /// Finds flights of stairs: at least four straight lines of about one length, side by side at equal distances.
-fn flights_of(lines: &[Line]) -> Vec<Flight> {
-    let straight = |line: &Line| match line.corners[..] {
+fn flights_of(lines: &[DrawnLine]) -> Vec<Flight> {
+    let straight = |line: &DrawnLine| match line.corners[..] {
         [a, b] if !line.closed => Some(Piece { a, b, line: 0 }),
         _ => None,
     };
@@ -305,7 +305,7 @@ fn flights_of(lines: &[Line]) -> Vec<Flight> {
 }
 
 /// Finds axes: straight lines whose ends meet nothing, and that run through the plan to beyond it on both sides.
-fn through(lines: &[Line], all: &[Piece], aside: &BTreeMap<usize, Sort>) -> BTreeSet<usize> {
+fn through(lines: &[DrawnLine], all: &[Piece], aside: &BTreeMap<usize, Sort>) -> BTreeSet<usize> {
     let mut free = vec![0; all.len()];
     for end in mended(all.to_vec(), 0.0).loose {
         free[end.piece] += 1;

@@ -2,9 +2,9 @@
 
 use super::curve::{Affine, Arc};
 use super::filled::parts_of;
-use super::role::Role;
+use super::role::LayerRole;
 use super::trace::Trace;
-use super::{Line, Reading, Tracer, check_name};
+use super::{DrawnLine, Reading, Tracer, check_name};
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::{Vec2, is_closed, vec2};
 use lemons_core::xml::{Document, Element};
@@ -160,7 +160,7 @@ fn length(element: Element, attribute: &str, otherwise: f64) -> Result<f64> {
 struct Layer<'a> {
     name: &'a str,
     /// What the name says that it is.
-    role: Option<Role>,
+    role: Option<LayerRole>,
     filled: Filled,
 }
 
@@ -209,7 +209,7 @@ impl<'a> Layer<'a> {
         let names = label.into_iter().chain(element.optional("id"));
         let mut names = names.chain(element.optional("class").into_iter().flat_map(str::split_whitespace));
         let filled = self.filled.within(element);
-        let with_role = names.clone().find_map(|name| Some((name, Role::of_name(name)?.0)));
+        let with_role = names.clone().find_map(|name| Some((name, LayerRole::of_name(name)?.0)));
         if let Some((name, role)) = with_role {
             return Layer { name, role: Some(role), filled };
         }
@@ -223,7 +223,10 @@ impl<'a> Layer<'a> {
     /// Whether filling closes what is not closed. Exits may be lines, though nobody says that they are not filled.
     fn closes(self) -> bool {
         !self.filled.none
-            && matches!(self.role, Some(Role::WalkableArea | Role::Obstacle | Role::Distribution))
+            && matches!(
+                self.role,
+                Some(LayerRole::WalkableArea | LayerRole::Obstacle | LayerRole::Distribution)
+            )
     }
 }
 
@@ -375,9 +378,10 @@ impl<'a> Walk<'a, '_> {
             let id = element.optional("id").map(str::to_owned);
             let entity = format!("<{kind}> in line {}", element.line());
             let layer = layer.name.to_owned();
-            let role = Role::of_name(&layer);
+            let role = LayerRole::of_name(&layer);
             let name = id.filter(|id| *id != layer && layer.is_empty());
-            self.tracer.take(Line { layer, role, name, entity, corners, closed, hole, ground: false })?;
+            let line = DrawnLine { layer, role, name, entity, corners, closed, hole, ground: false };
+            self.tracer.take(line)?;
         }
         Ok(())
     }

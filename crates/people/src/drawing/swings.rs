@@ -1,6 +1,6 @@
 //! Swings of doors: an arc, and a leaf from its centre to one of its ends.
 
-use super::Line;
+use super::DrawnLine;
 use super::pieces::Piece;
 use lemons_core::plane::Vec2;
 use std::collections::HashSet;
@@ -32,7 +32,7 @@ struct Arc {
 }
 
 /// Finds swings. Leaves may be lines or thin rectangles.
-pub(super) fn swings_of(lines: &[Line], pieces: &[Piece]) -> Vec<Swing> {
+pub(super) fn swings_of(lines: &[DrawnLine], pieces: &[Piece]) -> Vec<Swing> {
     let arcs = lines.iter().enumerate().flat_map(|(k, line)| arcs_of(k, line)).take(MOST_ARCS);
     arcs.filter_map(|arc| swing(&arc, lines, pieces)).collect()
 }
@@ -42,8 +42,16 @@ pub(super) fn within(wall: &[Vec2]) -> Option<Swing> {
     // An arc may lie across the wall's first corner.
     let corners: Vec<Vec2> = wall.iter().chain(wall.iter().skip(1)).copied().collect();
     let (layer, entity) = (String::new(), String::new());
-    let line =
-        Line { layer, role: None, name: None, entity, corners, closed: false, hole: false, ground: false };
+    let line = DrawnLine {
+        layer,
+        role: None,
+        name: None,
+        entity,
+        corners,
+        closed: false,
+        hole: false,
+        ground: false,
+    };
     let sides = |at: Vec2| wall.windows(2).filter(move |side| side.contains(&at));
     arcs_of(0, &line).into_iter().take(MOST_ARCS).find_map(|arc| {
         let beside = arc.ends.into_iter().flat_map(sides);
@@ -56,7 +64,7 @@ pub(super) fn within(wall: &[Vec2]) -> Option<Swing> {
     })
 }
 
-fn swing(arc: &Arc, lines: &[Line], pieces: &[Piece]) -> Option<Swing> {
+fn swing(arc: &Arc, lines: &[DrawnLine], pieces: &[Piece]) -> Option<Swing> {
     let near = |a: Vec2, b: Vec2| (a - b).norm() <= 0.06 + 0.03 * arc.radius;
     let leaf_to = |end: Vec2| {
         let leaf = |piece: &&Piece| {
@@ -84,7 +92,7 @@ fn swing(arc: &Arc, lines: &[Line], pieces: &[Piece]) -> Option<Swing> {
 }
 
 /// Finds the parts of a line that are an arc of at least three pieces, as large as a leaf can sweep.
-fn arcs_of(number: usize, line: &Line) -> Vec<Arc> {
+fn arcs_of(number: usize, line: &DrawnLine) -> Vec<Arc> {
     let corners = &line.corners;
     let mut arcs = Vec::new();
     let mut from = 0;

@@ -27,15 +27,15 @@ fn dxf_of(header: &str, blocks: &str, entities: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join("\n")
 }
 
-fn lines_of(entities: &str) -> Vec<Line> {
+fn lines_of(entities: &str) -> Vec<DrawnLine> {
     with_blocks("", entities)
 }
 
-fn with_blocks(blocks: &str, entities: &str) -> Vec<Line> {
-    drawing(Format::Dxf, &dxf_of("", blocks, entities)).unwrap().lines
+fn with_blocks(blocks: &str, entities: &str) -> Vec<DrawnLine> {
+    drawing(DrawingFormat::Dxf, &dxf_of("", blocks, entities)).unwrap().lines
 }
 
-fn area(line: &Line) -> f64 {
+fn area(line: &DrawnLine) -> f64 {
     Ring::through(line.corners.clone()).unwrap().signed_area()
 }
 
@@ -48,22 +48,22 @@ fn example(name: &str) -> Vec<u8> {
     std::fs::read(path).unwrap()
 }
 
-fn plan_of(name: &str, format: Format, reading: Reading, close: Option<f64>) -> Plan {
+fn plan_of(name: &str, format: DrawingFormat, reading: Reading, close: Option<f64>) -> FloorPlan {
     let drawing = Drawing::read(format, &example(name), &reading).unwrap();
-    Plan::of(drawing, &PlanSettings { close, to_origin: true, ..PlanSettings::default() }).unwrap()
+    FloorPlan::of(drawing, &PlanSettings { close, to_origin: true, ..PlanSettings::default() }).unwrap()
 }
 
-fn drawing(format: Format, text: &str) -> Result<Drawing> {
+fn drawing(format: DrawingFormat, text: &str) -> Result<Drawing> {
     Drawing::read(format, text.as_bytes(), &METRES)
 }
 
-fn plan(format: Format, text: &str) -> Plan {
-    Plan::of(drawing(format, text).unwrap(), &PlanSettings::default()).unwrap()
+fn plan(format: DrawingFormat, text: &str) -> FloorPlan {
+    FloorPlan::of(drawing(format, text).unwrap(), &PlanSettings::default()).unwrap()
 }
 
 /// The plan of a DXF of entities.
-fn plan_of_dxf(entities: &str) -> Plan {
-    plan(Format::Dxf, &dxf_of("", "", entities))
+fn plan_of_dxf(entities: &str) -> FloorPlan {
+    plan(DrawingFormat::Dxf, &dxf_of("", "", entities))
 }
 
 /// Entities of a rectangle.
@@ -71,11 +71,11 @@ fn rectangle(layer: &str, [x0, y0, x1, y1]: [f64; 4]) -> String {
     format!("0 LWPOLYLINE 8 {layer} 70 1 10 {x0} 20 {y0} 10 {x1} 20 {y0} 10 {x1} 20 {y1} 10 {x0} 20 {y1} ")
 }
 
-fn left_out_of(plan: &Plan) -> Vec<String> {
+fn left_out_of(plan: &FloorPlan) -> Vec<String> {
     plan.left_out.iter().map(left_out).collect()
 }
 
-fn read_as(format: Format, text: &str) -> Result<Read> {
+fn read_as(format: DrawingFormat, text: &str) -> Result<Read> {
     Read::of(format, text.as_bytes(), &METRES, &PlanSettings::default())
 }
 
@@ -93,7 +93,7 @@ fn collection(features: &[String]) -> String {
 }
 
 /// Checks that corners are on a curve, and that no place of the curve is further than the deviation from them.
-fn check_curve(line: &Line, curve: impl Fn(f64) -> Vec2, deviation: f64) {
+fn check_curve(line: &DrawnLine, curve: impl Fn(f64) -> Vec2, deviation: f64) {
     let ends = line.corners.iter().skip(1).chain(line.closed.then(|| &line.corners[0]));
     let sides: Vec<(Vec2, Vec2)> = line.corners.iter().copied().zip(ends.copied()).collect();
     for k in 0..=2000 {

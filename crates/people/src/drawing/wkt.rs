@@ -1,8 +1,8 @@
 //! Well-known text -> lines.
 
-use super::{Line, Reading, Tracer, UnitFrom};
+use super::{DrawnLine, Reading, Tracer, UnitFrom};
 use crate::error::{PeopleError, Result, require};
-use lemons_core::plane::{Shape, Vec2, shapes_from_wkt};
+use lemons_core::plane::{Vec2, WktGeometry, shapes_from_wkt};
 
 /// \[byte\] A corner takes four times as much memory as its text.
 const LARGEST: usize = 16_000_000;
@@ -16,7 +16,7 @@ pub(super) fn read(text: &str, reading: &Reading) -> Result<Tracer> {
     for (number, shape) in shapes_from_wkt(text).map_err(PeopleError::new)?.into_iter().enumerate() {
         let mut take = |corners: &[Vec2], kind: &str, closed: bool, hole: bool| {
             tracer.look(1)?;
-            tracer.take(Line {
+            tracer.take(DrawnLine {
                 layer: String::new(),
                 role: None,
                 name: None,
@@ -28,9 +28,9 @@ pub(super) fn read(text: &str, reading: &Reading) -> Result<Tracer> {
             })
         };
         match shape {
-            Shape::Point(at) => take(&[at], "POINT", false, false)?,
-            Shape::Line(corners) => take(&corners, "LINESTRING", false, false)?,
-            Shape::Polygon(polygon) => {
+            WktGeometry::Point(at) => take(&[at], "POINT", false, false)?,
+            WktGeometry::Line(corners) => take(&corners, "LINESTRING", false, false)?,
+            WktGeometry::Polygon(polygon) => {
                 for (k, ring) in polygon.rings().enumerate() {
                     take(ring.corners(), "POLYGON", true, k > 0)?;
                 }

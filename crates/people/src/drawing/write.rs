@@ -1,13 +1,13 @@
 //! A plan -> GeoJSON, well-known text or DXF, as [`Drawing::read`](super::Drawing::read) reads them.
 
-use super::Format;
+use super::DrawingFormat;
 use super::areas::MOST_CORNERS;
 use super::areas::{MOST_MADE, TOUCH};
-use super::place::Place;
-use super::plan::Plan;
-use super::role::Role;
+use super::place::NamedPlace;
+use super::plan::FloorPlan;
+use super::role::LayerRole;
 use crate::is_closed;
-use lemons_core::plane::overlay::{Fill, contour, intersection, ring};
+use lemons_core::plane::overlay::{InsideRule, contour, intersection, ring};
 use lemons_core::plane::{Bounds, Polygon, Ring, Vec2, ground, vec2};
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -15,8 +15,8 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Returns the formats that are written.
-pub fn written_formats() -> [Format; 3] {
-    [Format::GeoJson, Format::Wkt, Format::Dxf]
+pub fn written_formats() -> [DrawingFormat; 3] {
+    [DrawingFormat::GeoJson, DrawingFormat::Wkt, DrawingFormat::Dxf]
 }
 
 /// The layer of walls: no role, all of them are walls.
@@ -26,12 +26,12 @@ const ROUNDING: f64 = 1e-6;
 
 /// Writes walls, exits, distributions and way-points, in metres; walls as walkable areas and obstacles, if the plan has
 /// any. Well-known text has walls only. `None` for a format that is not written.
-pub fn write_plan(plan: &Plan, format: Format) -> Option<String> {
+pub fn write_plan(plan: &FloorPlan, format: DrawingFormat) -> Option<String> {
     match format {
-        Format::GeoJson => Some(geojson(plan)),
-        Format::Wkt => Some(wkt(plan)),
-        Format::Dxf => Some(dxf(plan)),
-        Format::Svg => None,
+        DrawingFormat::GeoJson => Some(geojson(plan)),
+        DrawingFormat::Wkt => Some(wkt(plan)),
+        DrawingFormat::Dxf => Some(dxf(plan)),
+        DrawingFormat::Svg => None,
     }
 }
 
@@ -53,16 +53,16 @@ impl<'p> Written<'p> {
     }
 }
 
-fn lines(plan: &Plan) -> Vec<Written<'_>> {
+fn lines(plan: &FloorPlan) -> Vec<Written<'_>> {
     let walls = || plan.walls.iter().map(|wall| Written::new(WALLS, wall)).collect();
     let mut all = areas(plan).unwrap_or_else(walls);
     let kinds = [
-        (Role::Exit, &plan.exits),
-        (Role::Distribution, &plan.distributions),
-        (Role::Waypoint, &plan.waypoints),
+        (LayerRole::Exit, &plan.exits),
+        (LayerRole::Distribution, &plan.distributions),
+        (LayerRole::Waypoint, &plan.waypoints),
     ];
     for (role, places) in kinds {
-        for Place { name, corners } in places {
+        for NamedPlace { name, corners } in places {
             let layer = format!("{}-{name}", role.layer());
             let (corners, closed) = (Cow::Borrowed(&corners[..]), corners.len() > 2);
             all.push(Written { layer, name: Some(name), corners, closed, holes: Vec::new() });
@@ -72,8 +72,8 @@ fn lines(plan: &Plan) -> Vec<Written<'_>> {
 }
 
 /// Returns walls as walkable areas and obstacles, from which the reader makes the same ground; `None` if none were drawn.
-fn areas(plan: &Plan) -> Option<Vec<Written<'_>>> {
-    let (area, obstacle) = (Role::WalkableArea.layer(), Role::Obstacle.layer());
+fn areas(plan: &FloorPlan) -> Option<Vec<Written<'_>>> {
+    let (area, obstacle) = (LayerRole::WalkableArea.layer(), LayerRole::Obstacle.layer());
     let (closed, open): (Vec<&Vec<Vec2>>, Vec<&Vec<Vec2>>) =
         plan.walls.iter().partition(|wall| is_closed(wall));
     let rings: Vec<Ring> = closed.iter().filter_map(|wall| Ring::through(wall.to_vec())).collect();
@@ -163,13 +163,13 @@ fn without_holes(Written { corners, holes, .. }: &Written) -> Vec<Vec<Vec2>> {
     let polygon: Vec<_> = rings.iter().map(contour).collect();
     let part = |cut: &[f64]| {
         let strip = Bounds { low: vec2(cut[0], whole.low.y), high: vec2(cut[1], whole.high.y) };
-        intersection(&polygon, &[contour(&Ring::around(strip))], Fill::EvenOdd)
+        intersection(&polygon, &[contour(&Ring::around(strip))], InsideRule::EvenOdd)
     };
     let parts = cuts.windows(2).filter(|cut| cut[0] < cut[1]).flat_map(part);
     parts.filter_map(|part| Some(ring(part.first()?)?.corners().to_vec())).collect()
 }
 
-fn geojson(plan: &Plan) -> String {
+fn geojson(plan: &FloorPlan) -> String {
     let point = |corner: &Vec2| json!([corner.x, corner.y]);
     let feature = |Written { layer, name, corners, closed, holes }: Written| {
         let ring = |ring: &[Vec2]| ring.iter().chain(ring.first()).map(point).collect::<Vec<Value>>();
@@ -190,7 +190,7 @@ fn geojson(plan: &Plan) -> String {
 
 /// Closed walls that are apart from all others are polygons, and those within them holes, as other programs take them. The
 /// reader unites polygons that meet, so walls that do so are lines, and what is within such a wall.
-fn wkt(plan: &Plan) -> String {
+fn wkt(plan: &FloorPlan) -> String {
     let text = |wall: &[Vec2]| {
         let corners: Vec<String> = wall.iter().map(|corner| format!("{} {}", corner.x, corner.y)).collect();
         format!("({})", corners.join(", "))
@@ -250,7 +250,7 @@ fn polygons(walls: &[Vec<Vec2>]) -> Vec<Vec<usize>> {
 }
 
 /// Release 12, which every program reads: POLYLINE with VERTEX. The unit is that of later releases, in the header.
-fn dxf(plan: &Plan) -> String {
+fn dxf(plan: &FloorPlan) -> String {
     let mut text = String::from(
         "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n6\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n",
     );

@@ -1,6 +1,6 @@
 use super::*;
 use crate::bicycle::PAPER_BICYCLES;
-use crate::population::{Agent, Population, Source};
+use crate::population::{CrowdMember, Population, PopulationSource};
 use lemons_core::distribution::{Range, TruncatedNormal};
 use lemons_core::plane::shown_orientation;
 use std::path::Path;
@@ -140,10 +140,10 @@ fn the_page_has_what_is_drawn_beside_the_sources() {
     let kinds = Kinds::built_in().unwrap();
     for kind in kinds.iter() {
         let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into()).unwrap();
-        let population = Population::new(Source::ansur().unwrap(), 0.5).unwrap().mixed(mix);
-        let drawn: Vec<Agent> = population.agents(1).take(2000).collect();
+        let population = Population::new(PopulationSource::ansur().unwrap(), 0.5).unwrap().mixed(mix);
+        let drawn: Vec<CrowdMember> = population.agents(1).take(2000).collect();
         let of = |value: &dyn Fn(&Member) -> f64| {
-            spread(&drawn.iter().filter_map(Agent::member).map(value).collect::<Vec<f64>>())
+            spread(&drawn.iter().filter_map(CrowdMember::member).map(value).collect::<Vec<f64>>())
         };
         let measures: [[f64; 2]; 4] = std::array::from_fn(|k| of(&|member| member.people[0].0.measures()[k]));
         let [breadth, depth, stature, mass] = measures;
@@ -248,7 +248,7 @@ fn a_load_moves_the_centre_of_mass_and_adds_inertia() {
 #[test]
 fn impossible_kinds_are_refused() {
     let refused = |text: &str| {
-        let table: BTreeMap<String, Kind> = toml::from_str(text).unwrap();
+        let table: BTreeMap<String, PersonKind> = toml::from_str(text).unwrap();
         Kinds::built_in().unwrap().with(table).unwrap_err().to_string()
     };
     let speed = "speed = { min = 1, max = 2 }\n";
@@ -269,7 +269,7 @@ fn impossible_kinds_are_refused() {
         let message = refused(&format!("[x]\n{text}"));
         assert!(message.starts_with("kind \"x\": ") && message.contains(said), "{message}");
     }
-    let table: BTreeMap<String, Kind> = toml::from_str(&format!("[pedestrian]\n{speed}")).unwrap();
+    let table: BTreeMap<String, PersonKind> = toml::from_str(&format!("[pedestrian]\n{speed}")).unwrap();
     let message = Kinds::built_in().unwrap().with(table).unwrap_err().to_string();
     assert!(message.starts_with("kind \"pedestrian\": this name means something else"), "{message}");
     let part = "[[x.parts]]\nname = \"b\"\nmass = { min = 1, max = 2 }\n";

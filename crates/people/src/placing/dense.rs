@@ -3,8 +3,10 @@
 
 use super::fire::Fire;
 use super::hull::hull_area;
-use super::soft_disks::{Body, Boundary, SoftDisks};
-use super::{Ended, Orientation, Packing, Progress, Region, Settings, Stage, TOLERANCE, Watch, reach};
+use super::soft_disks::{Boundary, SoftBody, SoftDisks};
+use super::{
+    Ended, Orientation, Packing, PlacingProgress, PlacingSettings, Region, Stage, TOLERANCE, Watch, reach,
+};
 use crate::error::{Result, require};
 use crate::random::Random;
 use crate::shape::Shape;
@@ -60,7 +62,12 @@ const ITERATIONS: u64 = 200_000;
 /// `watch` gets the progress and may stop the algorithm. The result may be incomplete (`complete` is false) if the
 /// density is too high, or too high for that many iterations. Its `clear_density` is then the density of the shapes
 /// that could spread without overlap after others were removed.
-pub fn dense(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut Watch) -> Result<Packing> {
+pub fn dense(
+    shapes: &[Shape],
+    region: &Region,
+    settings: &PlacingSettings,
+    watch: &mut Watch,
+) -> Result<Packing> {
     let wanted = settings.density.filter(|_| region.is_plane());
     let covered: f64 = shapes.iter().map(|shape| shape.moments().area).sum();
     let room = wanted.map_or(region.area(), |density| shapes.len() as f64 / density);
@@ -82,7 +89,7 @@ pub fn dense(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut
         packer.density = shapes.len() as f64 / region.area();
         packer.in_region(shapes, region)
     };
-    let mut packing = Packing::of(shapes, region, bodies.iter().map(Body::pose).collect(), ended, 0);
+    let mut packing = Packing::of(shapes, region, bodies.iter().map(SoftBody::pose).collect(), ended, 0);
     if !region.is_plane() && !packing.complete && packing.ended != Ended::Cancelled {
         match packer.without_some(shapes, &bodies, region) {
             Ok(density) => packing.clear_density = packing.clear_density.max(density),
@@ -111,7 +118,7 @@ struct Packer<'w, 'c> {
 }
 
 impl Packer<'_, '_> {
-    fn in_region(&mut self, shapes: &[Shape], region: &Region) -> (Vec<Body>, Ended) {
+    fn in_region(&mut self, shapes: &[Shape], region: &Region) -> (Vec<SoftBody>, Ended) {
         let mut disks = SoftDisks::new(shapes, Boundary::Region(region), self.orientation, PAD);
         self.strew(&mut disks);
         self.take_off_walls(&mut disks, region);
@@ -123,7 +130,7 @@ impl Packer<'_, '_> {
     }
 
     /// Compresses the crowd until the wanted density is reached. Returns the densest placing without overlap.
-    fn in_the_open(&mut self, shapes: &[Shape], least: Option<f64>, covered: f64) -> (Vec<Body>, Ended) {
+    fn in_the_open(&mut self, shapes: &[Shape], least: Option<f64>, covered: f64) -> (Vec<SoftBody>, Ended) {
         let wanted = least.unwrap_or(f64::INFINITY);
         let widest = shapes.iter().map(reach).fold(0.0, f64::max);
         let mut radius =
@@ -144,7 +151,7 @@ impl Packer<'_, '_> {
                 _ => break,
             }
         }
-        let mut best: Option<Vec<Body>> = None;
+        let mut best: Option<Vec<SoftBody>> = None;
         // The circle shrinks in smaller and smaller steps.
         let mut press = 0.04;
         loop {
@@ -249,7 +256,7 @@ impl Packer<'_, '_> {
                 return Ended::Exhausted;
             }
             if self.iteration.is_multiple_of(REPORT) {
-                let progress = Progress {
+                let progress = PlacingProgress {
                     stage: self.stage,
                     iteration: self.iteration,
                     limit: self.limit,
@@ -344,10 +351,10 @@ impl Packer<'_, '_> {
 
     /// Returns the density \[1/m²\] that is possible without overlap if, little by little, the shapes with the largest
     /// overlap are removed and the others spread; 0 if that takes too long.
-    fn without_some(&mut self, shapes: &[Shape], bodies: &[Body], region: &Region) -> Result<f64, Ended> {
+    fn without_some(&mut self, shapes: &[Shape], bodies: &[SoftBody], region: &Region) -> Result<f64, Ended> {
         self.stage = Stage::Thinning;
         self.limit = self.iteration + u64::from(TAKING_ROUNDS) * TAKING_STEPS;
-        let mut left: Vec<(&Shape, Body)> = shapes.iter().zip(bodies.iter().copied()).collect();
+        let mut left: Vec<(&Shape, SoftBody)> = shapes.iter().zip(bodies.iter().copied()).collect();
         for _ in 0..TAKING_ROUNDS {
             if left.is_empty() {
                 break;

@@ -3,7 +3,7 @@
 use super::region::{Region, SMALLEST_AREA};
 use crate::error::{PeopleError, Result, require};
 use crate::is_closed;
-use lemons_core::plane::overlay::{self, Contour, Fill, Polygons, difference, intersection};
+use lemons_core::plane::overlay::{self, Contour, InsideRule, Polygons, difference, intersection};
 use lemons_core::plane::{Bounds, Ring, Vec2};
 use lemons_core::trial::{Geometry, Wall};
 
@@ -53,17 +53,17 @@ impl Region {
                 continue;
             };
             let ring = [contour(&ring)];
-            let share = area(&intersection(&ground, &ring, Fill::EvenOdd)) / whole.area();
+            let share = area(&intersection(&ground, &ring, InsideRule::EvenOdd)) / whole.area();
             if share > MOST_OF_IT {
-                left = intersection(&left.concat(), &ring, Fill::EvenOdd);
+                left = intersection(&left.concat(), &ring, InsideRule::EvenOdd);
                 rooms.push(wall.id.clone());
             } else if share > ROUNDING {
-                left = difference(&left.concat(), &ring, Fill::EvenOdd);
+                left = difference(&left.concat(), &ring, InsideRule::EvenOdd);
                 obstacles.push(wall.id.clone());
             }
         }
         for ring in earlier.iter().flat_map(|region| region.rings()) {
-            left = difference(&left.concat(), &[contour(ring)], Fill::EvenOdd);
+            left = difference(&left.concat(), &[contour(ring)], InsideRule::EvenOdd);
         }
         let rings: Vec<Ring> = left.iter().flat_map(|polygon| rings(polygon)).collect();
         let left: f64 = rings.iter().map(Ring::signed_area).sum();
@@ -133,7 +133,7 @@ fn rings(polygon: &[Contour]) -> impl Iterator<Item = Ring> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::placing::{Settings, dense};
+    use crate::placing::{PlacingSettings, dense};
     use crate::shape::Shape;
     use lemons_core::plane::{Disk, rotation, vec2};
     use std::ops::ControlFlow;
@@ -222,7 +222,7 @@ mod tests {
         let disk = |x: f64, radius: f64| Disk { radius, centre: vec2(0.0, x) };
         let person = Shape { disks: vec![disk(-0.16, 0.1), disk(0.0, 0.13), disk(0.16, 0.1)] };
         let people = vec![person; 150];
-        let settings = Settings { seed: 7, ..Settings::default() };
+        let settings = PlacingSettings { seed: 7, ..PlacingSettings::default() };
         let packing = dense(&people, &region, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
         assert!(packing.complete, "{} {}", packing.largest_overlap, packing.clear_density);
         for pose in &packing.poses {

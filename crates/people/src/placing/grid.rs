@@ -1,7 +1,7 @@
 //! Shapes on a grid, in rows across a direction.
 
 use super::region::Edge;
-use super::{Ended, Orientation, Packing, Region, Settings, reach, wrapped};
+use super::{Ended, Orientation, Packing, PlacingSettings, Region, reach, wrapped};
 use crate::error::{Result, require};
 use crate::random::Random;
 use crate::shape::{Shape, bounds};
@@ -22,7 +22,7 @@ const EXACT: f64 = 1e-7;
 ///
 /// # Errors
 /// The region has too few places in which the shapes are inside.
-pub fn grid(shapes: &[Shape], region: &Region, settings: &Settings) -> Result<Packing> {
+pub fn grid(shapes: &[Shape], region: &Region, settings: &PlacingSettings) -> Result<Packing> {
     let extents: Vec<Bounds> = shapes.iter().map(|s| extent(s, settings.orientation)).collect();
     // The largest bounding box of a shape or, where shapes face any direction, the largest bounding circle.
     let wider = |a: Vec2, b: Vec2| vec2(a.x.max(b.x + SLACK), a.y.max(b.y + SLACK));

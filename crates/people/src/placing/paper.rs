@@ -2,7 +2,9 @@
 
 use super::measure::{Overlaps, density, overlap, through_boundary};
 use super::neighbours::CellGrid;
-use super::{Ended, Packing, Progress, Region, Settings, Stage, TOLERANCE, Watch, reach, wrapped};
+use super::{
+    Ended, Packing, PlacingProgress, PlacingSettings, Region, Stage, TOLERANCE, Watch, reach, wrapped,
+};
 use crate::random::Random;
 use crate::shape::Shape;
 use lemons_core::plane::{Disk, Pose, Vec2, rotation, vec2};
@@ -34,7 +36,7 @@ const BEGIN_DENSITY: f64 = 8.0;
 /// The paper does not say how to begin and when to stop. Here agents begin at random places, evenly distributed, and
 /// the algorithm stops when nothing overlaps. Overlaps may remain; the result then says that it is not complete.
 /// [`dense()`](super::dense()) reaches higher densities.
-pub fn paper(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut Watch) -> Packing {
+pub fn paper(shapes: &[Shape], region: &Region, settings: &PlacingSettings, watch: &mut Watch) -> Packing {
     let limit = settings.limit.unwrap_or(ITERATIONS);
     let mut crowd = Crowd::new(shapes, region, settings);
     let mut temperature = 1.0;
@@ -51,7 +53,7 @@ pub fn paper(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut
             reported = density(region, &crowd.disks);
         }
         let stage = Stage::Spreading;
-        if watch(&Progress { stage, iteration, limit, overlap, density: reported }).is_break() {
+        if watch(&PlacingProgress { stage, iteration, limit, overlap, density: reported }).is_break() {
             ended = Ended::Cancelled;
             break;
         }
@@ -70,7 +72,7 @@ pub fn paper(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut
 struct Crowd<'a> {
     shapes: &'a [Shape],
     region: &'a Region,
-    settings: &'a Settings,
+    settings: &'a PlacingSettings,
     random: Random,
     poses: Vec<Pose>,
     disks: Vec<Vec<Disk>>,
@@ -81,7 +83,7 @@ struct Crowd<'a> {
 }
 
 impl<'a> Crowd<'a> {
-    fn new(shapes: &'a [Shape], region: &'a Region, settings: &'a Settings) -> Crowd<'a> {
+    fn new(shapes: &'a [Shape], region: &'a Region, settings: &'a PlacingSettings) -> Crowd<'a> {
         let mut random = Random::new(settings.seed);
         let half = 0.5 * (shapes.len() as f64 / BEGIN_DENSITY).sqrt();
         let mut poses = Vec::with_capacity(shapes.len());
@@ -182,7 +184,7 @@ mod tests {
     fn forces_are_those_of_the_paper() {
         let region = Region::rectangle(vec2(0.0, 0.0), vec2(5.0, 5.0)).unwrap();
         let shapes = disks(3);
-        let settings = Settings { orientation: Orientation::Fixed(0.0), ..Settings::default() };
+        let settings = PlacingSettings { orientation: Orientation::Fixed(0.0), ..PlacingSettings::default() };
         let mut crowd = Crowd::new(&shapes, &region, &settings);
         for (k, (x, y)) in [(0.15, 2.0), (0.45, 2.0), (0.15, 2.5)].into_iter().enumerate() {
             crowd.cells.shift(k, crowd.poses[k].position, vec2(x, y));
@@ -202,9 +204,10 @@ mod tests {
     fn stays_inside_and_cools() {
         let region = Region::rectangle(vec2(0.0, 0.0), vec2(1.0, 1.0)).unwrap();
         let shapes = disks(30);
-        let settings = Settings { orientation: Orientation::Towards(0.0), ..Settings::default() };
+        let settings =
+            PlacingSettings { orientation: Orientation::Towards(0.0), ..PlacingSettings::default() };
         let after = |iterations: u64| {
-            let settings = Settings { limit: Some(iterations), ..settings };
+            let settings = PlacingSettings { limit: Some(iterations), ..settings };
             paper(&shapes, &region, &settings, &mut |_| std::ops::ControlFlow::Continue(()))
         };
         let packing = after(40);

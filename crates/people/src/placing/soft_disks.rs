@@ -60,7 +60,7 @@ pub struct Pressure {
 
 /// A shape that moves.
 #[derive(Debug, Clone, Copy)]
-pub struct Body {
+pub struct SoftBody {
     pub position: Vec2,
     /// \[rad\] Orientation of its frame.
     pub angle: f64,
@@ -73,7 +73,7 @@ pub struct Body {
     last: usize,
 }
 
-impl Body {
+impl SoftBody {
     pub fn pose(&self) -> Pose {
         Pose { position: self.position, orientation: super::wrapped(self.angle) }
     }
@@ -83,7 +83,7 @@ impl Body {
 #[derive(Debug, Clone)]
 pub struct SoftDisks<'a> {
     pub boundary: Boundary<'a>,
-    pub bodies: Vec<Body>,
+    pub bodies: Vec<SoftBody>,
     /// True if the shapes may turn.
     turns: bool,
     /// Relative size of the shapes: 1 is full size.
@@ -121,7 +121,7 @@ impl<'a> SoftDisks<'a> {
             let square = shape.disks.iter().map(|d| d.centre.norm_squared() + 0.5 * d.radius * d.radius);
             let lever = (square.sum::<f64>() / shape.disks.len() as f64).sqrt();
             let (position, reach) = (Vec2::zeros(), super::reach(shape));
-            bodies.push(Body { position, angle: 0.0, reach, lever, first, last: disks.len() });
+            bodies.push(SoftBody { position, angle: 0.0, reach, lever, first, last: disks.len() });
         }
         SoftDisks {
             boundary,
@@ -156,7 +156,7 @@ impl<'a> SoftDisks<'a> {
     /// All disks at their present places and size.
     pub fn circles(&self) -> Vec<Disk> {
         let of = |who: usize| {
-            let Body { position, angle, .. } = self.bodies[who];
+            let SoftBody { position, angle, .. } = self.bodies[who];
             self.turned(who, angle, self.scale)
                 .map(move |disk| Disk { centre: position + disk.centre, ..disk })
         };

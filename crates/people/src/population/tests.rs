@@ -2,19 +2,19 @@ use super::*;
 use crate::kinds::Kinds;
 use std::path::Path;
 
-fn of(source: Source, men: f64, seed: u64, count: usize) -> Vec<Person> {
+fn of(source: PopulationSource, men: f64, seed: u64, count: usize) -> Vec<Person> {
     let population = Population::new(source, men);
     population.unwrap().agents(seed).take(count).map(|agent| agent.people()[0].0).collect()
 }
 
-fn ansur_source() -> Source {
-    Source::ansur().unwrap()
+fn ansur_source() -> PopulationSource {
+    PopulationSource::ansur().unwrap()
 }
 
-fn custom(change: impl FnOnce(&mut [CustomMeasures; 2])) -> Result<Source> {
+fn custom(change: impl FnOnce(&mut [CustomMeasures; 2])) -> Result<PopulationSource> {
     let mut statistics = Sex::ALL.map(CustomMeasures::paper);
     change(&mut statistics);
-    Source::custom(&statistics)
+    PopulationSource::custom(&statistics)
 }
 
 fn mean_and_sd(values: &[f64]) -> (f64, f64) {
@@ -52,7 +52,7 @@ fn hundred_thousand_people_are_those_of_the_survey() {
         let survey = ansur(sex);
         let drawn = columns(&people);
         for (measure, (values, statistics)) in
-            Measure::ALL.into_iter().zip(drawn.iter().zip(&survey.measures))
+            BodyMeasure::ALL.into_iter().zip(drawn.iter().zip(&survey.measures))
         {
             let (mean, sd) = mean_and_sd(values);
             let off = [mean / statistics.mean - 1.0, sd / statistics.sd - 1.0];
@@ -108,8 +108,8 @@ fn proportions_are_met() {
     let refused = population.clone().with_riders(f64::NAN, bicycle.clone()).unwrap_err().to_string();
     assert_eq!(refused, "proportion of pedestrians = NaN: must be within 0…1");
     let population = population.with_riders(0.8, bicycle).unwrap();
-    let agents: Vec<Agent> = population.agents(5).take(50_000).collect();
-    let people: Vec<Person> = agents.iter().flat_map(Agent::everybody).collect();
+    let agents: Vec<CrowdMember> = population.agents(5).take(50_000).collect();
+    let people: Vec<Person> = agents.iter().flat_map(CrowdMember::everybody).collect();
     let bicycles = agents.iter().filter_map(|agent| agent.member()?.bicycle);
     let bicycles: Vec<[f64; 5]> = bicycles.map(|bicycle| bicycle.measures()).collect();
     for (place, normal) in PAPER_BICYCLES.iter().enumerate() {
@@ -141,20 +141,20 @@ fn a_survey_gives_its_own_people() {
     let mut survey = Survey::default();
     let content = b"bideltoidbreadth,chestdepth,stature,weightkg\n493,237,1776,815\n479,253,1702,726\n";
     survey.add(Sex::Male, Path::new("m.csv"), content).unwrap();
-    let drawn = of(Source::Survey(survey.clone()), 1.0, 6, 1000);
+    let drawn = of(PopulationSource::Survey(survey.clone()), 1.0, 6, 1000);
     assert!(drawn.iter().all(|person| survey.people(Sex::Male).contains(person)));
     let first = drawn.iter().filter(|person| person.breadth == 0.493).count();
     assert!((420..580).contains(&first), "{first}");
     let person = Person { sex: Sex::Female, breadth: 0.4, depth: 0.2, stature: 1.6, mass: 55.0 };
-    assert!(of(Source::Fixed(person), 1.0, 7, 10).into_iter().all(|drawn| drawn == person));
+    assert!(of(PopulationSource::Fixed(person), 1.0, 7, 10).into_iter().all(|drawn| drawn == person));
     let message = |source, men| Population::new(source, men).unwrap_err().to_string();
     assert_eq!(
-        message(Source::Survey(survey), 0.5),
+        message(PopulationSource::Survey(survey), 0.5),
         "the survey has no female people, but their proportion is not 0"
     );
     assert_eq!(message(ansur_source(), 1.5), "proportion of men = 1.5: must be within 0…1");
     assert_eq!(message(ansur_source(), f64::NAN), "proportion of men = NaN: must be within 0…1");
-    let wrong = Source::Fixed(Person { mass: -55.0, ..person });
+    let wrong = PopulationSource::Fixed(Person { mass: -55.0, ..person });
     let said = message(wrong, 0.5);
     assert_eq!(said, "the fixed person: mass = -55 kg: must be positive and finite");
     let mut bicycles = PAPER_BICYCLES;
@@ -170,10 +170,10 @@ fn a_mix_has_its_shares_ages_and_speeds() {
     let shares = shares.map(|(name, share)| (name.to_owned(), share)).into();
     let mix = Kinds::built_in().unwrap().mix(&shares).unwrap();
     let population = Population::new(ansur_source(), 0.5).unwrap().mixed(mix);
-    let drawn: Vec<Agent> = population.agents(9).take(20_000).collect();
-    assert_eq!(drawn, population.agents(9).take(20_000).collect::<Vec<Agent>>());
+    let drawn: Vec<CrowdMember> = population.agents(9).take(20_000).collect();
+    assert_eq!(drawn, population.agents(9).take(20_000).collect::<Vec<CrowdMember>>());
     let of = |name: &str| -> Vec<&Member> {
-        drawn.iter().filter_map(Agent::member).filter(|of| of.kind.name == name).collect()
+        drawn.iter().filter_map(CrowdMember::member).filter(|of| of.kind.name == name).collect()
     };
     let part = |name: &str| of(name).len() as f64 / drawn.len() as f64;
     // Three standard deviations of the counts.

@@ -4,11 +4,11 @@ use crate::common::{self, extent, labels};
 use lemons_picture::*;
 use roxmltree::{Document, Node};
 
-fn line(group: usize, dashed: bool, points: Vec<(f64, f64)>) -> Line {
-    Line { name: group.to_string(), points, group, dashed }
+fn line(group: usize, dashed: bool, points: Vec<(f64, f64)>) -> Curve {
+    Curve { name: group.to_string(), points, group, dashed }
 }
 
-fn one_panel(lines: Vec<Line>, steps: bool) -> Chart {
+fn one_panel(lines: Vec<Curve>, steps: bool) -> Chart {
     Chart {
         x: "time (s)".into(),
         panels: vec![ChartPanel { y: "speed (m/s)".into(), lines, steps }],
@@ -140,7 +140,7 @@ fn names_stand_apart() {
 
 #[test]
 fn a_long_name_leaves_the_margin_free() {
-    let long = Line { name: "wide ".repeat(40), ..line(0, false, vec![(0.0, 0.0), (1.0, 1.0)]) };
+    let long = Curve { name: "wide ".repeat(40), ..line(0, false, vec![(0.0, 0.0), (1.0, 1.0)]) };
     let text = drawn(&one_panel(vec![long], false));
     let document = Document::parse(&text).unwrap();
     let of = |class: &str| extent(common::class(&document, class)[0].attribute("d").unwrap());

@@ -17,11 +17,11 @@ pub fn pedestrian(id: &str) -> Agent {
     agent(id, shapes.map(|(radius, x, y)| disk(radius, vec2(x, y))).to_vec())
 }
 
-pub fn disk(radius: f64, position: Vec2) -> Shape {
-    Shape { radius, material_id: "human".into(), position }
+pub fn disk(radius: f64, position: Vec2) -> ShapeElement {
+    ShapeElement { radius, material_id: "human".into(), position }
 }
 
-pub fn agent(id: &str, shapes: Vec<Shape>) -> Agent {
+pub fn agent(id: &str, shapes: Vec<ShapeElement>) -> Agent {
     Agent { id: id.into(), shapes, ..Agent::default() }
 }
 

@@ -15,9 +15,9 @@ fn people() -> Trial {
 
 /// Cut by its view, with all that a picture may have: fills, forces, dashes, transparency, letters, a colour bar.
 fn full(trial: &Trial) -> String {
-    let mut scene = Scene::at_start(trial);
+    let mut scene = PictureScene::at_start(trial);
     scene.view = Some(Bounds { low: vec2(-0.6, -1.2), high: vec2(2.8, 0.8) });
-    scene.forces = vec![Force { from: vec2(0.0, 0.0), to: vec2(1.0, 0.0), normal_force: 900.0 }];
+    scene.forces = vec![DrawnForce { from: vec2(0.0, 0.0), to: vec2(1.0, 0.0), normal_force: 900.0 }];
     let trail = |measured, y: f64| Trail {
         agent: 1,
         measured,

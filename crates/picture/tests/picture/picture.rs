@@ -2,7 +2,7 @@
 
 use crate::common::{agent, disk, pedestrian, trial};
 use lemons_core::plane::{Vec2, rotation, vec2};
-use lemons_picture::{Bounds, Colour, Fill, Pixels, Scene, Style, Theme, pixels, png, svg};
+use lemons_picture::{Bounds, Colour, Fill, PictureScene, Pixels, Style, Theme, pixels, png, svg};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Bodies without a mark of their direction.
@@ -34,7 +34,7 @@ fn the_right_elements() {
         vec![box_of(-2.0, 2.0), wall],
     );
     let style = Style { ids: true, time: Some(1.5), fill: Fill::BodyArea, ..Style::default() };
-    let text = svg(&Scene::at_start(&t), &style);
+    let text = svg(&PictureScene::at_start(&t), &style);
     let document = roxmltree::Document::parse(&text).unwrap();
     let group = |name: &str| document.descendants().find(|n| n.attribute("class") == Some(name)).unwrap();
     let children = |name: &str| group(name).children().filter(|n| n.is_element()).count();
@@ -46,7 +46,7 @@ fn the_right_elements() {
     assert_eq!(group("time").attribute("aria-label"), Some("t = 1.50 s"));
     assert_eq!(group("label").attribute("aria-label"), Some("body area (m²)"));
     assert_eq!(group("scale").attribute("aria-label"), Some("1 m"));
-    assert_eq!(text, svg(&Scene::at_start(&t), &style));
+    assert_eq!(text, svg(&PictureScene::at_start(&t), &style));
     // One outline per body, in ten or so arcs, not five circles.
     let outline =
         group("bodies").descendants().find(|n| n.has_tag_name("path")).unwrap().attribute("d").unwrap();
@@ -59,7 +59,7 @@ fn size_and_colours() {
     let (red, night) = (Colour(0xdd, 0x33, 0x22), Colour(0x12, 0x16, 0x1d));
     let t = trial(vec![(pedestrian("0"), vec2(1.0, 1.0), 0.0)], vec![box_of(-2.0, 2.0)]);
     let style = Style { width: 428.0, fill: Fill::Single(red), ..plain() };
-    let text = svg(&Scene::at_start(&t), &style);
+    let text = svg(&PictureScene::at_start(&t), &style);
     let light = pixels(&text, 428, 1).unwrap();
     // The PNG has the same colours.
     let file = png(&text, 428).unwrap();
@@ -72,12 +72,13 @@ fn size_and_colours() {
     assert_eq!(on_page(&light, vec2(1.0, 1.0)), red);
     assert_eq!(on_page(&light, vec2(1.0, -1.0)), Colour(255, 255, 255));
     assert_eq!(on_page(&light, vec2(-2.0, 0.0)), Colour(0x2a, 0x30, 0x3a));
-    let dark = pixels(&svg(&Scene::at_start(&t), &Style { theme: Theme::Dark, ..style }), 428, 1).unwrap();
+    let dark =
+        pixels(&svg(&PictureScene::at_start(&t), &Style { theme: Theme::Dark, ..style }), 428, 1).unwrap();
     assert_eq!(on_page(&dark, vec2(1.0, -1.0)), night);
-    let wide = pixels(&svg(&Scene::at_start(&t), &plain()), 1000, 1).unwrap();
+    let wide = pixels(&svg(&PictureScene::at_start(&t), &plain()), 1000, 1).unwrap();
     assert_eq!((wide.width, wide.height), (1000, 1050));
-    assert!(png("<svg", 10).is_err() && png(&svg(&Scene::at_start(&t), &plain()), 0).is_err());
-    assert!(png(&svg(&Scene::at_start(&t), &plain()), 60_000).is_err());
+    assert!(png("<svg", 10).is_err() && png(&svg(&PictureScene::at_start(&t), &plain()), 0).is_err());
+    assert!(png(&svg(&PictureScene::at_start(&t), &plain()), 60_000).is_err());
 }
 
 #[test]
@@ -89,7 +90,7 @@ fn theta_turns_the_shoulders() {
         let lopsided = agent("0", vec![disk(0.2, at(1.0)), disk(0.5, at(-1.0))]);
         for (theta, left) in [(0.0, vec2(0.0, 1.0)), (FRAC_PI_2, vec2(-1.0, 0.0)), (PI, vec2(0.0, -1.0))] {
             let t = trial(vec![(lopsided.clone(), Vec2::zeros(), theta)], vec![box_of(-2.0, 2.0)]);
-            let text = svg(&Scene::at_start(&t), &Style { width: 428.0, ..plain() });
+            let text = svg(&PictureScene::at_start(&t), &Style { width: 428.0, ..plain() });
             let picture = pixels(&text, 428, 1).unwrap();
             let seen = |p: Vec2| on_page(&picture, p) == Colour::BODY;
             assert!(seen(left) && seen(-left));
@@ -102,7 +103,7 @@ fn theta_turns_the_shoulders() {
 fn what_leaves_a_fixed_view_is_cut() {
     let t = trial((0..50).map(|k| (pedestrian("0"), vec2(f64::from(k), 0.0), 0.0)).collect(), vec![]);
     let view = Some(Bounds { low: vec2(-2.0, -2.0), high: vec2(2.0, 2.0) });
-    let mut scene = Scene::at_start(&t);
+    let mut scene = PictureScene::at_start(&t);
     scene.view = view;
     let text = svg(&scene, &plain());
     png(&text, 100).unwrap();
@@ -112,7 +113,7 @@ fn what_leaves_a_fixed_view_is_cut() {
     // Who stands outside of the view and reaches into it is drawn: of disks of 0.5 m beside it, the one at x = 2.4 m.
     let beside = |x: f64| (agent("0", vec![disk(0.5, Vec2::zeros())]), vec2(x, 0.0), 0.0);
     let t = trial(vec![beside(0.0), beside(2.4), beside(3.6)], vec![]);
-    let mut scene = Scene::at_start(&t);
+    let mut scene = PictureScene::at_start(&t);
     scene.view = view;
     let text = svg(&scene, &plain());
     assert_eq!(text.matches("rotate(").count(), 2);

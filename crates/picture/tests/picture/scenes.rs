@@ -5,14 +5,14 @@ use lemons_core::plane::{Vec2, vec2};
 use lemons_picture::*;
 use roxmltree::{Document, Node};
 
-fn force(from: f64, to: f64, normal_force: f64) -> Force {
-    Force { from: vec2(from, 0.0), to: vec2(to, 0.0), normal_force }
+fn force(from: f64, to: f64, normal_force: f64) -> DrawnForce {
+    DrawnForce { from: vec2(from, 0.0), to: vec2(to, 0.0), normal_force }
 }
 
 #[test]
 fn a_line_is_as_wide_as_its_force() {
     let t = row(0..4);
-    let mut scene = Scene::at_start(&t);
+    let mut scene = PictureScene::at_start(&t);
     assert!(!svg(&scene, &Style::default()).contains("forces"));
     scene.forces = vec![
         force(0.0, 1.0, 2400.0),
@@ -59,7 +59,8 @@ fn each_kind_has_a_colour_and_a_legend() {
     for (agent, kind) in t.agents.iter_mut().zip(["wheelchair", "child"]) {
         agent.kind = Some(kind.into());
     }
-    let text = svg(&Scene::at_start(&t), &Style { fill: Fill::Kind, orientation: false, ..Style::default() });
+    let text =
+        svg(&PictureScene::at_start(&t), &Style { fill: Fill::Kind, orientation: false, ..Style::default() });
     let document = Document::parse(&text).unwrap();
     assert_eq!(labels(&document, "entry"), ["child", "wheelchair"]);
     let samples = class(&document, "kind");
@@ -78,7 +79,7 @@ fn trail(measured: bool, points: &[(f64, f64)]) -> Trail {
 #[test]
 fn measured_is_dashed_and_simulated_solid() {
     let t = row(0..2);
-    let mut scene = Scene::at_start(&t);
+    let mut scene = PictureScene::at_start(&t);
     let nan = f64::NAN;
     scene.trails = vec![
         trail(false, &[(0.0, 0.5), (1.0, 0.5), (nan, 0.5), (1.5, 0.5), (2.0, 3.0)]),
@@ -123,7 +124,7 @@ fn measured_is_dashed_and_simulated_solid() {
 #[test]
 fn feet_are_seen_through_the_bodies_and_joined_to_them() {
     let t = row(0..3);
-    let mut scene = Scene::at_start(&t);
+    let mut scene = PictureScene::at_start(&t);
     assert!(!svg(&scene, &Style::default()).contains("feet"));
     let high = scene.extent().high;
     // One leans far, one not at all; one is not there.
@@ -148,7 +149,7 @@ fn feet_are_seen_through_the_bodies_and_joined_to_them() {
 fn nothing_overlaps_above_a_scene() {
     // Time and legend on one page: none begins before the other ends.
     let t = row(0..5);
-    let mut scene = Scene::at_start(&t);
+    let mut scene = PictureScene::at_start(&t);
     scene.forces = vec![force(0.0, 1.0, 120.0)];
     scene.trails = vec![trail(false, &[(0.0, 0.5), (1.0, 0.5)]), trail(true, &[(0.0, 0.5), (1.0, 0.5)])];
     for time in [0.0, 1234567.0, 1e15, 1e40] {
@@ -233,7 +234,7 @@ fn density_does_not_go_through_walls() {
 #[test]
 fn the_map_is_below_the_outlines() {
     let t = row(0..3);
-    let mut scene = Scene::at_start(&t);
+    let mut scene = PictureScene::at_start(&t);
     scene.view = Some(Bounds { low: vec2(-2.0, -2.0), high: vec2(4.0, 2.0) });
     let mut map = DensityMap::new(scene.view.unwrap(), 0.3, &[]);
     map.add(t.dynamics.iter().map(|d| d.position));
@@ -260,10 +261,10 @@ fn the_map_is_below_the_outlines() {
 #[test]
 fn a_sheet_has_one_of_everything() {
     let t = row(0..3);
-    let scenes: Vec<Scene> = (0..5)
+    let scenes: Vec<PictureScene> = (0..5)
         .map(|k| {
             let pose = |x: f64| Pose { position: vec2(x + f64::from(k), 0.0), orientation: 0.0 };
-            let mut scene = Scene::new(&t, vec![pose(0.0), pose(1.0), pose(2.0)]);
+            let mut scene = PictureScene::new(&t, vec![pose(0.0), pose(1.0), pose(2.0)]);
             scene.forces = vec![force(0.0, 1.0, 100.0 * f64::from(k))];
             scene
         })
@@ -274,7 +275,7 @@ fn a_sheet_has_one_of_everything() {
             Style { time: Some(0.5 * f64::from(k)), fill, ..Style::default() }
         })
         .collect();
-    let panels: Vec<(&Scene, &Style)> = scenes.iter().zip(&styles).collect();
+    let panels: Vec<(&PictureScene, &Style)> = scenes.iter().zip(&styles).collect();
     let text = sheet(&panels, 2);
     let document = Document::parse(&text).unwrap();
     assert_eq!(class(&document, "panel").len(), 5);
@@ -309,7 +310,7 @@ fn no_colour_of_density_beyond_a_wall() {
         let turned = |p: Vec2| if upright { vec2(p.y, p.x) } else { p };
         let t =
             trial(people.clone().collect(), vec![vec![turned(vec2(-3.0, wall)), turned(vec2(3.0, wall))]]);
-        let mut scene = Scene::at_start(&t);
+        let mut scene = PictureScene::at_start(&t);
         let view = Bounds { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) };
         let mut map = DensityMap::new(view, 0.3, &t.geometry.walls);
         map.add(scene.poses.iter().map(|pose| turned(pose.position)));
@@ -332,7 +333,7 @@ fn no_colour_of_density_beyond_a_wall() {
 fn cut_panels_stand_apart() {
     let t = row(0..6);
     let view = Bounds { low: vec2(0.5, -0.5), high: vec2(2.5, 0.5) };
-    let mut scene = Scene::at_start(&t);
+    let mut scene = PictureScene::at_start(&t);
     scene.view = Some(view);
     let text = sheet(&[(&scene, &Style::default()); 4], 2);
     let document = Document::parse(&text).unwrap();
@@ -353,7 +354,7 @@ fn ids_are_of_one_size() {
     // Of one digit, of three, and one that no body has room for.
     let ids = ["1", "23", "456", "7", "the-last-one-of-the-row"];
     let t = row(ids);
-    let mut scene = Scene::at_start(&t);
+    let mut scene = PictureScene::at_start(&t);
     let style = Style { ids: true, ..Style::default() };
     let sizes = |text: &str| -> Vec<String> {
         let document = Document::parse(text).unwrap();
@@ -373,7 +374,7 @@ fn ids_are_of_one_size() {
 #[test]
 fn a_clipped_scale_says_so_and_words_replace_a_bar_without_values() {
     let t = row(0..3);
-    let scene = Scene::at_start(&t);
+    let scene = PictureScene::at_start(&t);
     let style = |values: Vec<f64>, unit: &str, range, quantile, map, theme| {
         let fill = Fill::Values(Values { quantile, map, ..Values::of(values, "mean squeeze", unit) });
         Style { fill, range, theme, ..Style::default() }
@@ -436,13 +437,13 @@ fn nothing_panics() {
         let wall = vec![vec![vec2(v, 0.0), Vec2::zeros()], vec![]];
         let people = [agent("", vec![disk(v, vec2(v, w))]), pedestrian("1"), pedestrian("é\u{0}<")];
         let t = trial(people.map(|agent| (agent, Vec2::zeros(), w)).to_vec(), wall);
-        let mut scene = Scene::at_start(&t);
+        let mut scene = PictureScene::at_start(&t);
         let view = Bounds { low: vec2(v, -1.0), high: vec2(1.0, w) };
         let all = [view, scene.extent(), Bounds { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }];
         scene.poses[1] = Pose { position: vec2(v, w), orientation: v };
         scene.forces = vec![
-            Force { from: vec2(v, 0.0), to: vec2(w, 0.0), normal_force: 1.0 },
-            Force { from: Vec2::zeros(), to: Vec2::zeros(), normal_force: v },
+            DrawnForce { from: vec2(v, 0.0), to: vec2(w, 0.0), normal_force: 1.0 },
+            DrawnForce { from: Vec2::zeros(), to: Vec2::zeros(), normal_force: v },
         ];
         let points = vec![vec2(v, w), Vec2::zeros(), vec2(w, 1.0), vec2(0.1, v), vec2(0.2, 0.2)];
         for (k, view) in all.into_iter().enumerate() {
@@ -465,5 +466,5 @@ fn nothing_panics() {
             }
         }
     }
-    png(&svg(&Scene::at_start(&trial(vec![], vec![])), &Style::default()), 64).unwrap();
+    png(&svg(&PictureScene::at_start(&trial(vec![], vec![])), &Style::default()), 64).unwrap();
 }

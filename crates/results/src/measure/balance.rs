@@ -19,7 +19,7 @@ pub struct Kept {
 
 /// Sums up how people keep their balance. It is given all communication points in the order of time.
 #[derive(Debug, Clone)]
-pub struct Balance {
+pub struct BalanceOverTime {
     people: Vec<Kept>,
     /// Steps of each at the first frame.
     begun: Vec<u32>,
@@ -28,10 +28,15 @@ pub struct Balance {
     known: bool,
 }
 
-impl Balance {
+impl BalanceOverTime {
     /// Begins, with so many people.
-    pub fn of(people: usize) -> Balance {
-        Balance { people: vec![Kept::default(); people], begun: Vec::new(), before: None, known: true }
+    pub fn of(people: usize) -> BalanceOverTime {
+        BalanceOverTime {
+            people: vec![Kept::default(); people],
+            begun: Vec::new(),
+            before: None,
+            known: true,
+        }
     }
 
     /// Adds the next frame.

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 /// A straight line across which people are counted; it has two ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line {
+pub struct CountingLine {
     /// \[m\] Its beginning.
     pub from: Vec2,
     /// \[m\] Its end.
@@ -45,13 +45,13 @@ pub struct Crossing {
     pub part: f64,
 }
 
-impl Line {
+impl CountingLine {
     /// Makes the line of the numbers x1, y1, x2, y2 \[m\]; `None` if these are not two different points within 1e6 m of the origin.
-    pub fn of_numbers(numbers: &[f64]) -> Option<Line> {
+    pub fn of_numbers(numbers: &[f64]) -> Option<CountingLine> {
         let near = numbers.iter().all(|number| number.abs() <= FARTHEST);
         match *numbers {
             [x1, y1, x2, y2] if near && (x1, y1) != (x2, y2) => {
-                Some(Line { from: vec2(x1, y1), to: vec2(x2, y2) })
+                Some(CountingLine { from: vec2(x1, y1), to: vec2(x2, y2) })
             }
             _ => None,
         }
@@ -84,7 +84,7 @@ impl Line {
 mod tests {
     use super::*;
     /// Upwards, from (2, 0) to (2, 1): its right is where x is larger.
-    const DOOR: Line = Line { from: vec2(2.0, 0.0), to: vec2(2.0, 1.0) };
+    const DOOR: CountingLine = CountingLine { from: vec2(2.0, 0.0), to: vec2(2.0, 1.0) };
 
     #[test]
     fn a_crossing_has_a_direction_and_a_moment() {

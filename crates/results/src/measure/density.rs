@@ -2,9 +2,9 @@
 
 use crate::Frame;
 use crate::measure::present;
-use crate::measure::voronoi::Room;
+use crate::measure::voronoi::VoronoiRoom;
 use crate::shapes::check;
-use lemons_core::plane::overlay::{Fill, area, contour, intersection};
+use lemons_core::plane::overlay::{InsideRule, area, contour, intersection};
 use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 use serde::Serialize;
 
@@ -55,7 +55,7 @@ impl MeasuringArea {
     }
 
     /// Measures a frame. `room` is where people can be, which Voronoi cells need.
-    pub fn measure(&self, frame: &Frame, room: Option<&Room>) -> Density {
+    pub fn measure(&self, frame: &Frame, room: Option<&VoronoiRoom>) -> Density {
         let there: Vec<_> = (0..frame.agents.len()).filter_map(|agent| present(frame, agent)).collect();
         let inside = there.iter().filter(|motion| self.0.contains(motion.pose.position));
         let speeds: Vec<f64> = inside.map(|motion| motion.twist.velocity.norm()).collect();
@@ -71,7 +71,7 @@ impl MeasuringArea {
             let cells = cells.map(|cell| (area(&cell), cell)).filter(|(area, _)| *area > 0.0);
             let parts = cells.map(|(whole, cell)| {
                 let common: f64 =
-                    intersection(&cell, &shape, Fill::EvenOdd).iter().map(|part| area(part)).sum();
+                    intersection(&cell, &shape, InsideRule::EvenOdd).iter().map(|part| area(part)).sum();
                 common / whole
             });
             // A sum of nothing is -0.
@@ -111,7 +111,7 @@ mod tests {
         let places: Vec<(f64, f64)> = (0..10)
             .flat_map(|i| (0..10).map(move |k| (f64::from(i) * 0.5 + 0.25, f64::from(k) * 0.5 + 0.25)))
             .collect();
-        let room = Room::of(&Polygon { outer: square(0.0, 5.0), holes: Vec::new() });
+        let room = VoronoiRoom::of(&Polygon { outer: square(0.0, 5.0), holes: Vec::new() });
         // Its rim cuts cells, which the classic density cannot see.
         let area = MeasuringArea::inside(square(1.1, 3.7)).unwrap();
         let seen = area.measure(&frame(&places), Some(&room));
@@ -143,7 +143,7 @@ mod tests {
         for walls in [vec![line(0.0), line(2.0)], vec![Wall::new("all", "stone", closed)]] {
             let measured = measured_area(&walls, &heads).unwrap();
             assert!((measured.polygon.outer.area() - 20.0).abs() < 1e-9, "{:?}", measured.said);
-            let room = Room::of(&measured.polygon);
+            let room = VoronoiRoom::of(&measured.polygon);
             let seen = within.measure(&frame(&places), Some(&room));
             assert!((seen.voronoi_density.unwrap() - 3.0).abs() < 1e-6, "{seen:?}");
             // All of them are in an area that is wider than the corridor, two thirds of it being in it.
@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn who_has_left_counts_no_more() {
-        let room = Room::of(&Polygon { outer: square(0.0, 5.0), holes: Vec::new() });
+        let room = VoronoiRoom::of(&Polygon { outer: square(0.0, 5.0), holes: Vec::new() });
         let area = MeasuringArea::inside(square(0.0, 5.0)).unwrap();
         let seen = area.measure(&frame(&[(1.0, 1.0), (f64::NAN, f64::NAN)]), Some(&room));
         assert!(

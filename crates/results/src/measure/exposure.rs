@@ -62,7 +62,7 @@ impl Above {
 
 /// Sums up the squeeze of each person. It is given all communication points in the order of time.
 #[derive(Debug, Clone)]
-pub struct Exposure {
+pub struct SqueezeOverTime {
     /// \[N\]
     levels: Vec<f64>,
     /// \[s\] Of the means that are compared with them; `None`: each communication step.
@@ -79,17 +79,17 @@ pub struct Exposure {
     longest_step: f64,
 }
 
-impl Exposure {
+impl SqueezeOverTime {
     /// Begins, with levels of squeeze \[N\]; compared with them are means over spans of the length `over` \[s\], or, without,
     /// those over communication steps.
-    pub fn new(people: usize, levels: &[f64], over: Option<f64>) -> Exposure {
-        Exposure::of((0..people).collect(), levels, over)
+    pub fn new(people: usize, levels: &[f64], over: Option<f64>) -> SqueezeOverTime {
+        SqueezeOverTime::of((0..people).collect(), levels, over)
     }
 
     /// Begins in the same way, for the agents at these places of a frame.
-    pub fn of(agents: Vec<usize>, levels: &[f64], over: Option<f64>) -> Exposure {
+    pub fn of(agents: Vec<usize>, levels: &[f64], over: Option<f64>) -> SqueezeOverTime {
         let above = vec![Some(Above::default()); levels.len()];
-        Exposure {
+        SqueezeOverTime {
             levels: levels.to_vec(),
             over,
             spanned: false,
@@ -221,7 +221,12 @@ mod tests {
     use lemons_core::plane::Motion;
 
     /// Returns the exposure of a person whose squeeze has this integral \[N s\] from 0 to a time, in steps of this length \[s\].
-    fn exposed(impulse: impl Fn(f64) -> f64, step: f64, until: f64, mut exposure: Exposure) -> Exposed {
+    fn exposed(
+        impulse: impl Fn(f64) -> f64,
+        step: f64,
+        until: f64,
+        mut exposure: SqueezeOverTime,
+    ) -> Exposed {
         for k in 0..=(until / step).round() as u64 {
             let (from, time) = ((k as f64 - 1.0) * step, k as f64 * step);
             let mean = (impulse(time) - impulse(from)) / step;
@@ -246,7 +251,7 @@ mod tests {
 
     #[test]
     fn a_rectangular_pulse() {
-        let one = exposed(pulse, 0.05, 12.0, Exposure::new(1, &[500.0, 799.0, 801.0], None));
+        let one = exposed(pulse, 0.05, 12.0, SqueezeOverTime::new(1, &[500.0, 799.0, 801.0], None));
         let seen = times(&one.above).into_iter().chain(one.largest_mean).map(|known| known.unwrap());
         let seen = seen.chain([one.impulse, one.time, one.peak]);
         let expected = [0.5, 0.5, 0.0, 800.0, 400.0, 40.0, 400.0, 12.0, 800.0];
@@ -257,7 +262,7 @@ mod tests {
     #[test]
     fn time_above_a_level_of_means_over_a_second() {
         let above = |levels: &[f64], step: f64, until: f64, span: f64| {
-            times(&exposed(pulse, step, until, Exposure::new(1, levels, Some(span))).above)
+            times(&exposed(pulse, step, until, SqueezeOverTime::new(1, levels, Some(span))).above)
         };
         for step in [0.05, 0.01, 0.25] {
             let times = above(&[0.0, 100.0, 300.0, 401.0], step, 12.0, 1.0);
@@ -280,7 +285,7 @@ mod tests {
             (Some(1.0), 0.25, [2.0, 1.25, 2.375]),
             (None, 0.25, [1.5, 1.0, 2.0]),
         ] {
-            let seen = exposed(two, step, 12.0, Exposure::new(1, &[300.0, 900.0], over)).above;
+            let seen = exposed(two, step, 12.0, SqueezeOverTime::new(1, &[300.0, 900.0], over)).above;
             let Above { time, longest, first, .. } = seen[0].unwrap();
             [time, longest, first.unwrap()]
                 .into_iter()
@@ -289,7 +294,7 @@ mod tests {
             assert_eq!(seen[1], Some(Above::default()), "never");
         }
         // Somebody who is not there for a step has a break.
-        let mut exposure = Exposure::new(1, &[10.0], None);
+        let mut exposure = SqueezeOverTime::new(1, &[10.0], None);
         for k in 0..=10 {
             exposure.add(f64::from(k) * 0.1, [(k != 4).then_some((100.0, 100.0))].into_iter());
         }
@@ -304,12 +309,12 @@ mod tests {
     fn spans_need_not_be_multiples_of_the_step() {
         // Two steps of 0.07 s with 700 N: 0.1 s fit into them, 1 s does not.
         let pulse = |t: f64| 700.0 * (t.clamp(0.7, 0.84) - 0.7);
-        let one = exposed(pulse, 0.07, 2.1, Exposure::new(1, &[], None));
+        let one = exposed(pulse, 0.07, 2.1, SqueezeOverTime::new(1, &[], None));
         near(one.largest_mean[0].unwrap(), 700.0);
         near(one.largest_mean[1].unwrap(), 98.0);
         assert_eq!(one.largest_mean[2], None, "the record is shorter");
         // A step is longer than the span: its mean says nothing of 0.1 s.
-        assert_eq!(exposed(pulse, 0.21, 2.1, Exposure::new(1, &[], None)).largest_mean[0], None);
+        assert_eq!(exposed(pulse, 0.21, 2.1, SqueezeOverTime::new(1, &[], None)).largest_mean[0], None);
     }
 
     /// The definition, computed otherwise: the largest of all means over a fine grid of beginnings.
@@ -323,7 +328,7 @@ mod tests {
         let means: Vec<f64> = (0..60).map(|_| squeeze()).collect();
         // Steps of different lengths [ms].
         let lengths: Vec<usize> = (0..60).map(|k| [30, 70, 50][k % 3]).collect();
-        let mut exposure = Exposure::new(1, &[], None);
+        let mut exposure = SqueezeOverTime::new(1, &[], None);
         let (mut fine, mut time) = (Vec::new(), 0.0);
         exposure.add(0.0, [Some((1e9, 1e9))].into_iter());
         for (mean, length) in means.iter().zip(&lengths) {
@@ -341,7 +346,7 @@ mod tests {
 
     #[test]
     fn who_leaves_is_exposed_no_more() {
-        let mut exposure = Exposure::new(2, &[10.0], None);
+        let mut exposure = SqueezeOverTime::new(2, &[10.0], None);
         for k in 0..=20 {
             let there = Some((100.0, 120.0));
             exposure.add(f64::from(k) * 0.1, [there, there.filter(|_| k <= 5)].into_iter());
@@ -358,7 +363,7 @@ mod tests {
     #[test]
     fn what_frames_do_not_say_is_not_known() {
         let seen = |step: Option<OfStep>, frames: u32, by: Option<By>| {
-            let mut exposure = Exposure::new(2, &[], None);
+            let mut exposure = SqueezeOverTime::new(2, &[], None);
             for k in 0..frames {
                 let observed = vec![Observed { of_step: step, ..Observed::default() }; 2];
                 let (time, agents) = (f64::from(k), vec![Motion::default(); 2]);

@@ -1,7 +1,7 @@
 //! Who has crossed a line so far.
 
 use crate::Frame;
-use crate::measure::crossing::{Crossing, Line, Way};
+use crate::measure::crossing::{CountingLine, Crossing, Way};
 use crate::measure::present;
 use lemons_core::plane::Vec2;
 
@@ -17,7 +17,7 @@ pub struct Passage {
 /// Counts who crosses a line. It is given all frames in the order of time.
 #[derive(Debug, Clone)]
 pub struct Passages {
-    line: Line,
+    line: CountingLine,
     /// \[s\] The newest frame.
     time: f64,
     people: Vec<Person>,
@@ -33,7 +33,7 @@ struct Person {
 
 impl Passages {
     /// Begins to count over a line.
-    pub fn over(line: Line, people: usize) -> Passages {
+    pub fn over(line: CountingLine, people: usize) -> Passages {
         Passages { line, time: f64::NAN, people: vec![Person::default(); people] }
     }
 
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
     use lemons_core::plane::{Motion, Pose, vec2};
 
-    const DOOR: Line = Line { from: vec2(0.0, 0.0), to: vec2(0.0, 1.0) };
+    const DOOR: CountingLine = CountingLine { from: vec2(0.0, 0.0), to: vec2(0.0, 1.0) };
 
     /// Counts people with these x \[m\], frames 0.5 s apart. Not a number: the person is not there.
     fn counted(frames: &[&[f64]]) -> Passages {

@@ -1,23 +1,23 @@
 //! The Voronoi cells of people in a room: of each place, whose it is, and walls hold cells back.
 
-use lemons_core::plane::overlay::{Contour, Fill, contour, intersection, ring};
+use lemons_core::plane::overlay::{Contour, InsideRule, contour, intersection, ring};
 use lemons_core::plane::{Bounds, Polygon, Ring, Vec2};
 
 /// Where people can be: a polygon with holes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Room {
+pub struct VoronoiRoom {
     polygon: Vec<Contour>,
     bounds: Bounds,
     sides: Vec<Bounds>,
     of: Polygon,
 }
 
-impl Room {
+impl VoronoiRoom {
     /// Makes the room of a polygon \[m\].
-    pub fn of(polygon: &Polygon) -> Room {
+    pub fn of(polygon: &Polygon) -> VoronoiRoom {
         let sides = polygon.rings().flat_map(Ring::sides).filter_map(|(a, b)| Bounds::of([a, b])).collect();
         let contours = polygon.rings().map(contour).collect();
-        Room { polygon: contours, bounds: polygon.outer.bounds(), sides, of: polygon.clone() }
+        VoronoiRoom { polygon: contours, bounds: polygon.outer.bounds(), sides, of: polygon.clone() }
     }
 
     /// Returns the nearest place \[m\] in the room, and how far it is.
@@ -85,7 +85,7 @@ impl Room {
         if !self.sides.iter().any(|side| side.meets(&bounds)) {
             return whole;
         }
-        let parts = intersection(&whole, &self.polygon, Fill::EvenOdd);
+        let parts = intersection(&whole, &self.polygon, InsideRule::EvenOdd);
         let off = |polygon: &Vec<Contour>| {
             let ring = polygon.first().and_then(ring);
             ring.map_or(f64::INFINITY, |ring| {
@@ -119,15 +119,15 @@ mod tests {
     use lemons_core::plane::overlay::area;
     use lemons_core::plane::vec2;
 
-    fn room_of<const N: usize>(holes: [Ring; N], outer: Ring) -> Room {
-        Room::of(&Polygon { outer, holes: holes.into() })
+    fn room_of<const N: usize>(holes: [Ring; N], outer: Ring) -> VoronoiRoom {
+        VoronoiRoom::of(&Polygon { outer, holes: holes.into() })
     }
 
     fn square(low: f64, high: f64) -> Ring {
         Ring::around(Bounds { low: vec2(low, low), high: vec2(high, high) })
     }
 
-    fn areas(room: &Room, people: &[Vec2]) -> Vec<f64> {
+    fn areas(room: &VoronoiRoom, people: &[Vec2]) -> Vec<f64> {
         room.cells(people, room.bounds).into_iter().map(|cell| area(&cell.unwrap())).collect()
     }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
+pub enum TableFormat {
     /// Text with a header. Numbers are written so that they read back to the same doubles.
     Csv,
     /// Compressed columns; units, variables and descriptions are in the metadata. Needs the feature
@@ -15,28 +15,28 @@ pub enum Format {
     Parquet,
 }
 
-impl Format {
+impl TableFormat {
     /// All formats.
-    pub const ALL: [Format; 2] = [Format::Csv, Format::Parquet];
+    pub const ALL: [TableFormat; 2] = [TableFormat::Csv, TableFormat::Parquet];
 
     /// The format that the extension of a file means; capitals do not matter.
-    pub fn of(path: &Path) -> Option<Format> {
+    pub fn of(path: &Path) -> Option<TableFormat> {
         let end = path.extension()?;
-        Format::ALL.into_iter().find(|format| end.eq_ignore_ascii_case(format.extension()))
+        TableFormat::ALL.into_iter().find(|format| end.eq_ignore_ascii_case(format.extension()))
     }
 
     /// Extension of its files, without a dot.
     pub const fn extension(self) -> &'static str {
         match self {
-            Format::Csv => "csv",
-            Format::Parquet => "parquet",
+            TableFormat::Csv => "csv",
+            TableFormat::Parquet => "parquet",
         }
     }
 }
 
 /// What a table holds besides its rows.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Content {
+pub struct TableContent {
     /// The first one is the time ([`Column::time`]).
     pub columns: Vec<Column>,
     /// Keys and values about the whole table. Parquet has them in its metadata, CSV has no place for

@@ -1,7 +1,7 @@
 //! Tables in Parquet, with units, variables and descriptions in the metadata: under the key `columns`, as
 //! JSON, `{"x": {"unit": "m"}}`.
 
-use super::format::{Content, Rows};
+use super::format::{Rows, TableContent};
 use super::rows::{Cells, Frames, Head, place};
 use crate::cell::{Cell, CellType};
 use crate::columns::{Column, ID};
@@ -148,7 +148,7 @@ enum Pending {
 
 impl<W: Write + Send> Writer<W> {
     /// Begins a table without rows.
-    pub fn create(file: W, content: &Content) -> io::Result<Writer<W>> {
+    pub fn create(file: W, content: &TableContent) -> io::Result<Writer<W>> {
         let mut names = HashSet::new();
         if let Some(twice) = content.columns.iter().find(|column| !names.insert(&column.name)) {
             return Err(io::Error::other(format!("there are two columns {:?}", twice.name)));
@@ -244,7 +244,7 @@ fn field(column: &Column) -> Parquet<Type> {
         .build()
 }
 
-fn properties(content: &Content) -> Parquet<WriterProperties> {
+fn properties(content: &TableContent) -> Parquet<WriterProperties> {
     let about = content.about.iter().map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone()));
     let attributes = content.columns.iter().map(|column| {
         let mut own = json!({ "variable": column.variable, "description": column.description });

@@ -1,6 +1,6 @@
 //! The rows of the table of a crowd, in whatever format.
 
-use crate::columns::{Group, Groups, ID, Quantity, Row, TIME};
+use crate::columns::{AgentRow, Group, Groups, ID, RecordedQuantity, TIME};
 use crate::error::RecordError;
 use crate::record::Each;
 use crate::run::Frame;
@@ -59,15 +59,15 @@ pub(super) struct Frames<'a, 'b> {
     what: &'static str,
     groups: Groups,
     /// Quantities that are read, with their places in a row.
-    quantities: Vec<(usize, &'static Quantity)>,
+    quantities: Vec<(usize, &'static RecordedQuantity)>,
     ids: Vec<String>,
     places: HashMap<String, usize>,
     /// Time \[s\], place and first row of the newest frame.
-    newest: Option<(f64, String, Row)>,
+    newest: Option<(f64, String, AgentRow)>,
     /// True while the newest frame is the first.
     first: bool,
     /// Its rows, in the order of the Ids.
-    rows: Vec<Option<Row>>,
+    rows: Vec<Option<AgentRow>>,
 }
 
 impl<'a, 'b> Frames<'a, 'b> {
@@ -109,7 +109,7 @@ impl<'a, 'b> Frames<'a, 'b> {
         if !time.is_finite() {
             return Err(wrong(0, TIME, "a finite number"));
         }
-        let mut row = Row::default();
+        let mut row = AgentRow::default();
         for (k, (place, quantity)) in (2..).zip(&self.quantities) {
             row[*place] = cells.number(k);
             quantity.check(row[*place], false).map_err(|must| wrong(k, quantity.name, must))?;

@@ -1,11 +1,11 @@
 //! Writes tables row by row.
 
 use super::csv;
-use super::format::{Content, Format, Rows};
+use super::format::{Rows, TableContent, TableFormat};
 #[cfg(feature = "parquet")]
 use super::parquet;
 use crate::cell::{Cell, CellType};
-use crate::columns::{Groups, Quantity, Row, row_of};
+use crate::columns::{AgentRow, Groups, RecordedQuantity, row_of};
 use crate::error::RecordError;
 use crate::run::Frame;
 use lemons_core::files::WriteError;
@@ -26,13 +26,18 @@ impl<W: Write + Send + 'static> TableWriter<W> {
     /// # Errors
     /// Two columns have the same name (Parquet), this build has no Parquet, or the file cannot be
     /// written.
-    pub fn create(file: W, path: &Path, format: Format, content: &Content) -> Result<Self, RecordError> {
+    pub fn create(
+        file: W,
+        path: &Path,
+        format: TableFormat,
+        content: &TableContent,
+    ) -> Result<Self, RecordError> {
         let made: io::Result<Box<dyn Rows<W>>> = match format {
-            Format::Csv => csv::Writer::create(file, &content.columns).map(|rows| Box::new(rows) as _),
+            TableFormat::Csv => csv::Writer::create(file, &content.columns).map(|rows| Box::new(rows) as _),
             #[cfg(feature = "parquet")]
-            Format::Parquet => parquet::Writer::create(file, content).map(|rows| Box::new(rows) as _),
+            TableFormat::Parquet => parquet::Writer::create(file, content).map(|rows| Box::new(rows) as _),
             #[cfg(not(feature = "parquet"))]
-            Format::Parquet => Err(io::Error::other(super::NO_PARQUET)),
+            TableFormat::Parquet => Err(io::Error::other(super::NO_PARQUET)),
         };
         let rows = made.map_err(WriteError::at(path))?;
         Ok(TableWriter { rows, path: path.to_owned() })
@@ -109,7 +114,7 @@ struct RowCells {
 
 impl RowCells {
     fn of(groups: Groups) -> RowCells {
-        let cell = |(place, quantity): (usize, &Quantity)| (place, quantity.kind() == CellType::Real);
+        let cell = |(place, quantity): (usize, &RecordedQuantity)| (place, quantity.kind() == CellType::Real);
         RowCells { quantities: groups.quantities().map(cell).collect() }
     }
 
@@ -117,7 +122,7 @@ impl RowCells {
         &self,
         time: f64,
         id: &str,
-        row: &Row,
+        row: &AgentRow,
         write: &mut dyn FnMut(&mut dyn Iterator<Item = Cell<'_>>) -> Result<(), RecordError>,
     ) -> Result<(), RecordError> {
         let cell = |&(place, real): &(usize, bool)| {

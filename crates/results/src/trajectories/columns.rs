@@ -381,6 +381,6 @@ fn along(mut timed: Timed<'_>, mut steps: Vec<Step>, told: Option<f64>) -> Resul
     let frames = timed.rows.rows.iter().map(|row| row.frame);
     let ends = frames.clone().min().zip(frames.max());
     // Every frame, even if all people are in every second one.
-    let named = ends.map(|(first, last)| super::Named { first, last, step: 1 });
+    let named = ends.map(|(first, last)| super::FrameNumbers { first, last, step: 1 });
     timed.found(rate, named, notes)
 }

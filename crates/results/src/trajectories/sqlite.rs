@@ -1,6 +1,6 @@
 //! `JuPedSim`'s trajectories: an SQLite database of version 1 or 2.
 
-use super::{Found, LAST_FRAME, Named, Rows, Told, gcd, rate_of};
+use super::{Found, FrameNumbers, LAST_FRAME, Rows, Told, gcd, rate_of};
 use crate::error::RecordError;
 use lemons_core::plane::vec2;
 use rusqlite::config::DbConfig;
@@ -86,7 +86,7 @@ fn read_within(path: &Path, held: &Path, told: &Told, operations: i32) -> Result
     }
     // Frames without anybody are only there.
     let frames = if table("frame_data") { frames(&database).map_err(broken)? } else { None };
-    if let Some(Named { first, last, .. }) =
+    if let Some(FrameNumbers { first, last, .. }) =
         frames.as_ref().filter(|all| all.first < 0 || all.last > LAST_FRAME)
     {
         return Err(wrong(format!(
@@ -159,16 +159,17 @@ fn geometries(database: &Connection) -> rusqlite::Result<Vec<String>> {
 }
 
 /// Returns the frames that the database names.
-fn frames(database: &Connection) -> rusqlite::Result<Option<Named>> {
+fn frames(database: &Connection) -> rusqlite::Result<Option<FrameNumbers>> {
     let mut found = database.prepare("SELECT frame FROM frame_data WHERE frame IS NOT NULL")?;
     let mut rows = found.query([])?;
-    let mut all: Option<Named> = None;
+    let mut all: Option<FrameNumbers> = None;
     while let Some(row) = rows.next()? {
         let frame = row.get(0)?;
-        let Named { first, last, step } = all.unwrap_or(Named { first: frame, last: frame, step: 0 });
+        let FrameNumbers { first, last, step } =
+            all.unwrap_or(FrameNumbers { first: frame, last: frame, step: 0 });
         // What cannot be is refused later.
         let apart = frame.checked_sub(first).and_then(i64::checked_abs).unwrap_or(1);
-        all = Some(Named { first: first.min(frame), last: last.max(frame), step: gcd(step, apart) });
+        all = Some(FrameNumbers { first: first.min(frame), last: last.max(frame), step: gcd(step, apart) });
     }
     Ok(all)
 }

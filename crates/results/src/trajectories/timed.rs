@@ -1,6 +1,6 @@
 //! Rows of programs that write times and names of people, not numbers of frames and of people.
 
-use super::{Found, LAST_FRAME, MOST_FRAMES, Named, Rows, check_rate, gcd, rate_of};
+use super::{Found, FrameNumbers, LAST_FRAME, MOST_FRAMES, Rows, check_rate, gcd, rate_of};
 use crate::error::RecordError;
 use crate::shapes::FARTHEST;
 use lemons_core::plane::{Vec2, vec2};
@@ -193,10 +193,8 @@ impl<'a> Timed<'a> {
         let all = sorted.iter().map(|time| grid.frame(*time));
         let first = all.clone().next().unwrap_or(0);
         let last = if notes.is_empty() { sorted.len() } else { sorted.len() - 1 };
-        let named = all.take(last).fold(Named { first, last: first, step: 0 }, |named, frame| Named {
-            last: frame,
-            step: gcd(named.step, frame - first),
-            ..named
+        let named = all.take(last).fold(FrameNumbers { first, last: first, step: 0 }, |named, frame| {
+            FrameNumbers { last: frame, step: gcd(named.step, frame - first), ..named }
         });
         self.found(rate, Some(named), notes)
     }
@@ -205,7 +203,7 @@ impl<'a> Timed<'a> {
     pub fn found(
         mut self,
         rate: f64,
-        frames: Option<Named>,
+        frames: Option<FrameNumbers>,
         notes: Vec<String>,
     ) -> Result<Found, RecordError> {
         let numbers: Option<Vec<i64>> = self.names.iter().map(|name| name.parse().ok()).collect();

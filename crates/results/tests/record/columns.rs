@@ -1,6 +1,6 @@
 //! The table of columns beside the FMU's table of variables: the same outputs, units and types.
 
-use crowd_mechanics::quantities::{Kind, Role, scalars};
+use crowd_mechanics::quantities::{Role, VariableType, scalars};
 use crowd_mechanics::setup;
 use lemons_results::columns::{ALL, Column, Group, Groups, QUANTITIES};
 use std::collections::HashMap;
@@ -11,7 +11,7 @@ fn columns_are_outputs_of_the_fmu_in_its_units() {
     let push = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
     let (trial, _) = setup::read(&push).unwrap();
     let is_output = |role: Role| matches!(role, Role::Exact | Role::Calculated);
-    let mut outputs: HashMap<String, Kind> = scalars(&trial)
+    let mut outputs: HashMap<String, VariableType> = scalars(&trial)
         .into_iter()
         .filter(|scalar| is_output(scalar.variable.role))
         .map(|scalar| (scalar.name, scalar.variable.kind))
@@ -21,9 +21,9 @@ fn columns_are_outputs_of_the_fmu_in_its_units() {
         let of = if quantity.group == Group::Totals { "" } else { "agent[0]." };
         let name = format!("{of}{}", quantity.variable);
         match outputs.remove(&name).expect(&name) {
-            Kind::Real(of) => assert_eq!(Some(of.unit.name), quantity.unit, "{name}"),
-            Kind::Integer | Kind::Boolean => assert_eq!(None, quantity.unit, "{name}"),
-            Kind::String => panic!("{name} is a text"),
+            VariableType::Real(of) => assert_eq!(Some(of.unit.name), quantity.unit, "{name}"),
+            VariableType::Integer | VariableType::Boolean => assert_eq!(None, quantity.unit, "{name}"),
+            VariableType::String => panic!("{name} is a text"),
         }
     }
     // Nothing that the FMU says of an agent is left out, but what is the rest of two others.

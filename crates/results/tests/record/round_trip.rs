@@ -2,7 +2,7 @@
 
 use crowd_mechanics::engine::{State, World};
 use crowd_mechanics::model::CrowdModel;
-use crowd_mechanics::quantities::Quantity;
+use crowd_mechanics::quantities::CrowdQuantity;
 use crowd_mechanics::setup::{self, Setup};
 use lemons_core::plane::vec2;
 use lemons_core::trial::Trial;
@@ -32,7 +32,7 @@ fn pushed(at: &Path) -> Trial {
 /// What the FMU does of 30 steps, and a world that did the same, after each.
 fn run(at: &Path, trial: &Trial) -> Vec<World> {
     let mut crowd = CrowdModel::load(Location::Path(at.join("trials").to_str().unwrap())).unwrap();
-    crowd.set_texts(&[(Quantity::OutputDirectory, at.join("out").to_str().unwrap())]).unwrap();
+    crowd.set_texts(&[(CrowdQuantity::OutputDirectory, at.join("out").to_str().unwrap())]).unwrap();
     crowd.initialize(0.0).unwrap();
     let mut world = Setup::of(trial).world().unwrap();
     (1..=30)

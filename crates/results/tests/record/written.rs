@@ -2,7 +2,7 @@
 
 use lemons_results::columns::{ALL, Column, Groups};
 use lemons_results::{
-    Cell, CellType, Content, Format, Frame, FrameWriter, KeptFrames, Record, Run, TableWriter,
+    Cell, CellType, Frame, FrameWriter, KeptFrames, Record, Run, TableContent, TableFormat, TableWriter,
 };
 use std::fs::File;
 use std::path::Path;
@@ -38,12 +38,12 @@ fn frames(count: usize, groups: Groups) -> Vec<Frame> {
     (0..count).map(|k| groups.frame_of_rows(k as f64 * 0.1, &rows(k))).collect()
 }
 
-fn begin(path: &Path, format: Format, columns: Vec<Column>) -> TableWriter<File> {
-    let content = Content { columns, about: vec![("component", "crowd".into())] };
+fn begin(path: &Path, format: TableFormat, columns: Vec<Column>) -> TableWriter<File> {
+    let content = TableContent { columns, about: vec![("component", "crowd".into())] };
     TableWriter::create(File::create(path).unwrap(), path, format, &content).unwrap()
 }
 
-fn write(path: &Path, format: Format, groups: Groups, frames: &[Frame]) {
+fn write(path: &Path, format: TableFormat, groups: Groups, frames: &[Frame]) {
     let mut writer = FrameWriter::new(begin(path, format, groups.columns()), ids(), groups);
     frames.iter().for_each(|frame| writer.frame(frame).unwrap());
     writer.finish().unwrap();
@@ -68,11 +68,11 @@ fn same(read: &Run, written: &[Frame]) {
 fn frames_come_back_to_the_bit() {
     let directory = TempDir::new().unwrap();
     let none = Groups::default();
-    for format in Format::ALL {
+    for format in TableFormat::ALL {
         let path = directory.path().join("run").with_extension(format.extension());
-        assert_eq!(Format::of(&path), Some(format));
+        assert_eq!(TableFormat::of(&path), Some(format));
         // More rows than a group of Parquet has: some two million cells.
-        let most = if format == Format::Parquet { 42_000 } else { 100 };
+        let most = if format == TableFormat::Parquet { 42_000 } else { 100 };
         for (count, groups) in [
             (most, ALL),
             (1, ALL),
@@ -107,9 +107,9 @@ fn tables_of_parts_are_one_run() {
         write(&at(name), format, ALL, part);
         at(name)
     };
-    let first = written("1.csv", Format::Csv, &frames[..20]);
-    let second = written("2.parquet", Format::Parquet, &frames[19..21]);
-    let third = written("3.csv", Format::Csv, &frames[21..]);
+    let first = written("1.csv", TableFormat::Csv, &frames[..20]);
+    let second = written("2.parquet", TableFormat::Parquet, &frames[19..21]);
+    let third = written("3.csv", TableFormat::Csv, &frames[21..]);
     let record = Record::tables(&[first.clone(), second.clone(), third.clone()]).unwrap();
     same(&record.read_wanted(KeptFrames::All).unwrap(), &frames);
     let said = Record::tables(&[first.clone(), third, second]).err().unwrap().to_string();
@@ -126,7 +126,7 @@ fn tables_of_parts_are_one_run() {
 fn cut_off_parquet_is_refused() {
     let directory = TempDir::new().unwrap();
     let path = directory.path().join("run.parquet");
-    write(&path, Format::Parquet, ALL, &frames(20, ALL));
+    write(&path, TableFormat::Parquet, ALL, &frames(20, ALL));
     let bytes = std::fs::read(&path).unwrap();
     for length in [4, 12, bytes.len() / 2, bytes.len() - 1] {
         std::fs::write(&path, &bytes[..length]).unwrap();
@@ -143,14 +143,14 @@ fn tables_of_other_columns() {
     let column = |(name, kind): (&str, CellType)| Column { name: name.into(), kind, ..Column::time() };
     let others = [("on", CellType::Boolean), ("many", CellType::Integer), ("what", CellType::Text)];
     let columns = || [Column::time()].into_iter().chain(others.map(column)).collect();
-    let mut table = begin(&path, Format::Csv, columns());
+    let mut table = begin(&path, TableFormat::Csv, columns());
     table.row(0.5, [Cell::Boolean(true), Cell::Integer(-3), Cell::Text("a,b")]).unwrap();
     table.finish().unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     assert_eq!(text, "t,on,many,what\n0.5,true,-3,\"a,b\"\n");
     for (format, row) in [
-        (Format::Csv, vec![Cell::Boolean(true)]),
-        (Format::Parquet, vec![Cell::Boolean(true), Cell::Integer(1), Cell::Real(0.0)]),
+        (TableFormat::Csv, vec![Cell::Boolean(true)]),
+        (TableFormat::Parquet, vec![Cell::Boolean(true), Cell::Integer(1), Cell::Real(0.0)]),
     ] {
         let mut table = begin(&path, format, columns());
         table.row(0.5, [Cell::Boolean(true), Cell::Integer(1), Cell::Text("")]).unwrap();
@@ -163,7 +163,7 @@ fn tables_of_other_columns() {
 #[test]
 fn a_table_in_another_unit_is_not_read_as_ours() {
     let directory = TempDir::new().unwrap();
-    for format in Format::ALL {
+    for format in TableFormat::ALL {
         let mut columns = ALL.columns();
         columns.iter_mut().find(|column| column.name == "x").unwrap().unit = Some("mm".to_owned());
         let path = directory.path().join("table");

@@ -1,13 +1,13 @@
 //! How people who have legs keep their balance.
 
 use crate::measure::number_of;
-use lemons_results::measure::{Across, Balance};
+use lemons_results::measure::{Across, BalanceOverTime};
 use serde::Deserialize;
 
 /// A measure of how people keep their balance.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct OfBalance {
+pub struct BalanceMeasure {
     /// A number of [`Kept`](lemons_results::measure::Kept).
     pub balance: String,
     /// Ids of agents in Agents.xml; empty: all agents.
@@ -21,9 +21,9 @@ pub struct OfBalance {
     pub until: Option<f64>,
 }
 
-impl OfBalance {
+impl BalanceMeasure {
     /// Returns the number of what was seen of the agents at these places; `None` if people have no legs.
-    pub(crate) fn value(&self, agents: &[usize], seen: Balance) -> Option<f64> {
+    pub(crate) fn value(&self, agents: &[usize], seen: BalanceOverTime) -> Option<f64> {
         let kept = seen.finish()?;
         let values = agents.iter().filter_map(|agent| number_of(&self.balance, &kept[*agent]));
         self.across.unwrap_or(Across::Max).of(values)

@@ -1,13 +1,15 @@
 //! Lines and areas, and what is measured at them: who crosses a line; how dense a crowd is in an area, and how fast.
 
-use crate::error::{Place, Result};
+use crate::error::{ErrorPlace, Result};
 use crate::measure::{check_number, number_of};
 use crate::points::Points;
 use lemons_core::files::input;
 use lemons_core::plane::{InPlane, Vec2};
 use lemons_core::require;
 use lemons_core::trial::Wall;
-use lemons_results::measure::{Crossings, Density, Line, MeanMax, MeasuringArea, Passages, Room, Way};
+use lemons_results::measure::{
+    CountingLine, Crossings, Density, MeanMax, MeasuringArea, Passages, VoronoiRoom, Way,
+};
 use lemons_results::{given_area, walkable_area};
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -54,7 +56,7 @@ impl OverLine {
     }
 
     /// Returns the width at a point \[m\].
-    pub(crate) fn width_at(&self, point: usize, line: Line, points: &Points) -> Result<f64, String> {
+    pub(crate) fn width_at(&self, point: usize, line: CountingLine, points: &Points) -> Result<f64, String> {
         let width = match &self.width {
             None => line.length(),
             Some(Width::Metres(width)) => *width,
@@ -118,7 +120,7 @@ impl InArea {
 #[derive(Debug, Clone, Default)]
 pub struct Places {
     /// With their names.
-    lines: Vec<(String, Line)>,
+    lines: Vec<(String, CountingLine)>,
     pub(crate) areas: Vec<(String, MeasuringArea)>,
     pub(crate) walkable: Option<Walkable>,
 }
@@ -139,7 +141,7 @@ impl Places {
     /// # Errors
     /// A sentence with the key and what is wrong.
     pub(crate) fn read(lines: toml::Table, areas: toml::Table, walkable: Option<PathBuf>) -> Result<Places> {
-        let lines = read("lines", lines, Line::of_numbers, LINE)?;
+        let lines = read("lines", lines, CountingLine::of_numbers, LINE)?;
         let areas = read("areas", areas, MeasuringArea::of_numbers, AREA)?;
         let walkable = walkable.map(|path| -> Result<Walkable> {
             let place = || format!("walkable: {}", path.display());
@@ -155,7 +157,7 @@ impl Places {
     ///
     /// # Errors
     /// A sentence: there is none.
-    pub(crate) fn line(&self, name: &str) -> Result<Line, String> {
+    pub(crate) fn line(&self, name: &str) -> Result<CountingLine, String> {
         find("line", &self.lines, name).copied()
     }
 
@@ -171,7 +173,7 @@ impl Places {
     ///
     /// # Errors
     /// A sentence: somebody was outside of the polygon of `walkable`.
-    pub(crate) fn room(&self, walls: &[Wall], positions: &[Vec2]) -> Result<Room, String> {
+    pub(crate) fn room(&self, walls: &[Wall], positions: &[Vec2]) -> Result<VoronoiRoom, String> {
         let positions = positions.iter().copied().filter(|position| position.is_finite());
         let area = match &self.walkable {
             Some(Walkable { path, wkt }) => {
@@ -180,7 +182,7 @@ impl Places {
             }
             None => walkable_area(walls, positions),
         };
-        Ok(Room::of(&area.polygon))
+        Ok(VoronoiRoom::of(&area.polygon))
     }
 }
 

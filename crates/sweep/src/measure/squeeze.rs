@@ -1,13 +1,13 @@
 //! How long and how hard people are squeezed.
 
 use lemons_core::require;
-use lemons_results::measure::{Across, By, Exposed, Exposure, SPANS};
+use lemons_results::measure::{Across, By, Exposed, SPANS, SqueezeOverTime};
 use serde::Deserialize;
 
 /// A measure of the squeeze of people over time, by its mean over each communication step.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct OfSqueeze {
+pub struct SqueezeMeasure {
     /// What of it.
     pub squeeze: What,
     /// \[s\] For [`What::LargestMean`]: 0.1, 1 or 10. For [`What::TimeAbove`]: of the means that are compared with
@@ -44,7 +44,7 @@ pub enum What {
     Time,
 }
 
-impl OfSqueeze {
+impl SqueezeMeasure {
     /// Returns which of [`SPANS`] it is over.
     fn place(&self) -> Option<usize> {
         SPANS.into_iter().position(|span| Some(span) == self.over)
@@ -82,14 +82,14 @@ impl OfSqueeze {
     }
 
     /// Begins to sum up the squeeze of the agents at these places.
-    pub(crate) fn begin(&self, agents: Vec<usize>) -> Exposure {
+    pub(crate) fn begin(&self, agents: Vec<usize>) -> SqueezeOverTime {
         let over = self.over.filter(|_| self.squeeze == What::TimeAbove);
-        Exposure::of(agents, self.level.as_slice(), over)
+        SqueezeOverTime::of(agents, self.level.as_slice(), over)
     }
 
     /// Returns the number of the agents; `None` if it is not known of all of them: there is no step, or the
     /// time is too short for a mean over it.
-    pub(crate) fn value(&self, seen: &Exposure) -> Option<f64> {
+    pub(crate) fn value(&self, seen: &SqueezeOverTime) -> Option<f64> {
         let of = |one: &Exposed| match self.squeeze {
             What::TimeAbove => one.above[0].map(|above| above.time),
             What::LargestMean => one.largest_mean[self.place()?],

@@ -37,7 +37,7 @@ struct Motion {
 }
 
 /// A kind of scene: motions that are looked at together.
-pub struct Scene {
+pub struct AccuracyScene {
     /// Name in docs/step.md.
     pub name: &'static str,
     /// \[s\] ends of the stages, over which drives are constant.
@@ -63,7 +63,7 @@ impl Found {
     }
 }
 
-impl Scene {
+impl AccuracyScene {
     /// Returns the number of people.
     pub fn people(&self) -> usize {
         self.motions.iter().map(|motion| motion.start.scene().bodies.len()).sum()
@@ -117,18 +117,18 @@ impl Motion {
 ///
 /// # Errors
 /// A Trial cannot be read, or a crowd cannot be made.
-pub fn scenes() -> Result<Vec<Scene>> {
+pub fn scenes() -> Result<Vec<AccuracyScene>> {
     Ok(vec![push()?, collisions()?, dense(), door()?, walkers()?])
 }
 
 /// A scene of one motion, over twentieths of a second.
-fn scene(name: &'static str, until: f64, start: World, drive: Drive) -> Scene {
+fn scene(name: &'static str, until: f64, start: World, drive: Drive) -> AccuracyScene {
     let times = (1..=(20.0 * until).round() as u32).map(|k| f64::from(k) / 20.0).collect();
-    Scene { name, times, motions: vec![Motion { start, drive, known: None }] }
+    AccuracyScene { name, times, motions: vec![Motion { start, drive, known: None }] }
 }
 
 /// The default Trial with its own push.
-fn push() -> Result<Scene> {
+fn push() -> Result<AccuracyScene> {
     let trial = read(PUSH)?;
     let table = DriveTable::from_csv(PUSH_DRIVE)?;
     let start = Setup::of(&trial).world()?;
@@ -140,7 +140,7 @@ fn push() -> Result<Scene> {
 }
 
 /// Random cases of four to six, with the default materials.
-fn collisions() -> Result<Scene> {
+fn collisions() -> Result<AccuracyScene> {
     let cases = reference::usual()?;
     let times = cases[0].times.clone();
     let motions = cases.into_iter().map(|case| {
@@ -151,11 +151,11 @@ fn collisions() -> Result<Scene> {
             drive: Box::new(move |stage, _, _| case.drive(stage)),
         })
     });
-    Ok(Scene { name: "collisions", times, motions: motions.collect::<Result<_>>()? })
+    Ok(AccuracyScene { name: "collisions", times, motions: motions.collect::<Result<_>>()? })
 }
 
 /// A hundred people who stand at six per square metre; those at the left are pushed.
-fn dense() -> Scene {
+fn dense() -> AccuracyScene {
     let drive = |_, time: f64, world: &World| {
         let force = if time < 0.6 { 600.0 * (PI * (time + 0.025) / 0.6).sin() } else { 0.0 };
         let of = |pose: &Pose| Wrench {
@@ -168,7 +168,7 @@ fn dense() -> Scene {
 }
 
 /// The thirty people of the Trial who have come to the door.
-fn door() -> Result<Scene> {
+fn door() -> Result<AccuracyScene> {
     let mut start = Setup::of(&read(DOOR)?).world()?;
     let mut numbers = Random(4);
     let wished: Vec<f64> = start.scene().bodies.iter().map(|_| 1.4 + 0.3 * numbers.signed()).collect();
@@ -190,7 +190,7 @@ fn door() -> Result<Scene> {
 }
 
 /// One person per 2 m², each walking somewhere.
-fn walkers() -> Result<Scene> {
+fn walkers() -> Result<AccuracyScene> {
     let start = sparse(100)?;
     let drive = start.drive.clone();
     Ok(scene("walkers", 1.0, start, Box::new(move |_, _, _| drive.clone())))

@@ -20,7 +20,7 @@ pub const CALLS: usize = 10;
 pub type Call = Box<dyn FnMut() -> Result<()>>;
 
 /// A row of the table of instructions.
-pub struct Row {
+pub struct CountedRow {
     /// Name in `benches/instructions.csv`.
     pub name: &'static str,
     /// Number of people.
@@ -35,8 +35,8 @@ pub struct Row {
 const DOOR_STEPS: u64 = 2500;
 
 /// Returns all rows.
-pub fn rows() -> Vec<Row> {
-    let row = |name, people, steps, make| Row { name, people, steps, make };
+pub fn rows() -> Vec<CountedRow> {
+    let row = |name, people, steps, make| CountedRow { name, people, steps, make };
     vec![
         row("push", 5, 2000, || {
             let mut world = push();

@@ -7,13 +7,13 @@ use crate::bench::{DENSE, median};
 use crate::checks::scenarios::read;
 use anyhow::Result;
 use cpu_time::{ProcessTime, ThreadTime};
-use crowd_mechanics::pack::{Format, Package};
+use crowd_mechanics::pack::{FmuFormat, Package};
 use crowd_mechanics::scenes::crowded;
 use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::DriveChoice;
-use lemons_master::{Fmu, Prepared, Selection, Settings, own_binary};
+use lemons_master::{Fmu, PreparedSystem, RunSettings, ValueSelection, own_binary};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -42,7 +42,7 @@ impl Packed {
     }
 
     /// Reads, checks and packs the Trial, as `lemons pack` does.
-    fn pack(&self, format: Format) -> Result<()> {
+    fn pack(&self, format: FmuFormat) -> Result<()> {
         let (trials, binaries) = (vec![self.trial()], vec![own_binary()?]);
         Package { trials, binaries, format, ..Package::default() }.write(&self.fmu())?;
         Ok(())
@@ -61,7 +61,7 @@ fn timed<T>(call: impl FnOnce() -> Result<T>) -> Result<(f64, T)> {
 /// # Errors
 /// A Trial or an FMU is refused, or the row.
 pub fn measure(runs: usize, mut row: impl FnMut(&str, f64, &str) -> Result<()>) -> Result<()> {
-    for (version, format) in [("", Format::default()), (" (FMI 3.0)", Format::Fmi3)] {
+    for (version, format) in [("", FmuFormat::default()), (" (FMI 3.0)", FmuFormat::Fmi3)] {
         let [set, get] = overhead(1_000, runs, format)?;
         row(&format!("1000 agents: set 3 inputs of each{version}"), set, "µs")?;
         row(&format!("1000 agents: get 10 outputs of each{version}"), get, "µs")?;
@@ -79,14 +79,14 @@ pub fn measure(runs: usize, mut row: impl FnMut(&str, f64, &str) -> Result<()>) 
 /// \[µs\] Processor times of setting the three inputs of every agent in one call, and of getting the ten outputs in one
 /// call for each type (in FMI 3.0 whole arrays, which our master puts in the order of FMI 2.0): medians of runs of 100
 /// calls. Other load on the machine hardly changes them.
-fn overhead(agents: usize, runs: usize, format: Format) -> Result<[f64; 2]> {
+fn overhead(agents: usize, runs: usize, format: FmuFormat) -> Result<[f64; 2]> {
     const CALLS: u32 = 100;
     let packed = Packed::new(agents, SPARSE)?;
     packed.pack(format)?;
     let instance = Fmu::open(&packed.fmu())?.instantiate("bench")?;
     instance.initialize()?;
     instance.step(0.0, 1e-4)?;
-    let select = |names: &'static [&str]| -> Result<Selection> {
+    let select = |names: &'static [&str]| -> Result<ValueSelection> {
         let all = (0..agents).flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")));
         Ok(instance.select(all)?)
     };
@@ -120,7 +120,7 @@ fn loading(agents: usize, runs: usize) -> Result<[f64; 4]> {
     let mut times = [const { Vec::new() }; 4];
     for _ in 0..runs {
         let read = timed(|| Ok(setup::read(&packed.trial())?))?.0;
-        let pack = timed(|| packed.pack(Format::default()))?.0;
+        let pack = timed(|| packed.pack(FmuFormat::default()))?.0;
         let fmu = Fmu::open(&packed.fmu())?;
         let (instantiate, instance) = timed(|| Ok(fmu.instantiate("bench")?))?;
         let initialize = timed(|| Ok(instance.initialize()?))?.0;
@@ -137,18 +137,18 @@ fn loading(agents: usize, runs: usize) -> Result<[f64; 4]> {
 fn push(runs: usize) -> Result<[f64; 2]> {
     let packed = Packed { directory: Scratch::new()? };
     read(PUSH)?.write(&packed.trial())?;
-    packed.pack(Format::default())?;
+    packed.pack(FmuFormat::default())?;
     let parameters = [("TimeStepMechanical", "2e-6"), ("agent[0].Fp.x", "700")];
-    let settings = Settings {
+    let settings = RunSettings {
         parameters: parameters.map(|(name, value)| (name.to_owned(), value.to_owned())).to_vec(),
         step: Some(0.1),
         until: Some(5.0),
         drive: DriveChoice::None,
-        ..Settings::of(packed.fmu())
+        ..RunSettings::of(packed.fmu())
     };
     let mut best = [f64::INFINITY; 2];
     for _ in 0..runs {
-        let mut prepared = Prepared::of(&settings)?;
+        let mut prepared = PreparedSystem::of(&settings)?;
         let (wall, processor) = (Instant::now(), ProcessTime::now());
         prepared.clock.points(0).try_for_each(|time| prepared.step_to(time))?;
         let run = [wall.elapsed().as_secs_f64(), processor.elapsed().as_secs_f64()];

@@ -19,7 +19,7 @@ const GAZE: f64 = 0.6;
 const DRIVE: Wrench = Wrench { force: vec2(-50.0, 200.0), torque: 4.0 };
 const GROWTH: Wrench = Wrench { force: vec2(400.0, -60.0), torque: -3.0 };
 
-fn chair() -> Placed {
+fn chair() -> PlacedBody {
     pedestrian(95.0, 0.0).turned(GAZE).moving(0.9, -0.7).relaxing(ALONG, TURN).relaxing_across(ACROSS)
 }
 
@@ -65,7 +65,7 @@ fn rates(body: &BodySpec, time: f64, [_, _, gaze, vx, vy, w]: [f64; 6]) -> [f64;
 }
 
 /// Integrates the equations of motion by the classical method of Runge and Kutta.
-fn integrated(start: &Placed, duration: f64, steps: u32) -> Motion {
+fn integrated(start: &PlacedBody, duration: f64, steps: u32) -> Motion {
     let dt = duration / f64::from(steps);
     let (pose, twist) = (start.pose, start.twist);
     let mut now = [
@@ -107,7 +107,7 @@ fn errors_turning() -> Result<Halved> {
 /// Counts numbers of a crowd whose rate across is written, and is that along, unlike those of the crowd with one rate.
 fn one_rate() -> Result<f64> {
     let people = on_lattice(6, [0.5; 2], 4.5);
-    let written: Vec<Placed> = people.iter().map(|person| person.clone().relaxing_across(4.5)).collect();
+    let written: Vec<PlacedBody> = people.iter().map(|person| person.clone().relaxing_across(4.5)).collect();
     let mut both = [people, written].map(|people| world(&people, &[], BODIES, 1e-4));
     for world in &mut both {
         world.advance(0.5)?;

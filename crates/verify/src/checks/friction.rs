@@ -13,7 +13,7 @@ pub(crate) const FIGURES: &[Figure] = &[
 ];
 
 /// A disk pressed on the wall y = 0 by 500 N, so deep that it rests.
-fn pressed(disk: Placed, law: PairLaw) -> World {
+fn pressed(disk: PlacedBody, law: PairLaw) -> World {
     let rest = 0.2 - 500.0 / law.normal_stiffness;
     let mut world = world(&[disk.at(0.0, rest)], &[&[(-100.0, 0.0), (100.0, 0.0)]], law, 1e-5);
     world.drive[0].force = vec2(0.0, -500.0);
@@ -21,7 +21,7 @@ fn pressed(disk: Placed, law: PairLaw) -> World {
 }
 
 /// A disk that does not turn, for its inertia.
-fn block() -> Placed {
+fn block() -> PlacedBody {
     disk(80.0, 0.2).of_inertia(1e12).relaxing(2.0, 0.0)
 }
 

@@ -21,8 +21,8 @@ struct Standing {
 }
 
 impl Standing {
-    fn new(people: &[Placed], mechanical_step: f64) -> Result<Standing> {
-        let person = |(k, placed): (usize, &Placed)| {
+    fn new(people: &[PlacedBody], mechanical_step: f64) -> Result<Standing> {
+        let person = |(k, placed): (usize, &PlacedBody)| {
             let agent = Agent::new(k.to_string(), placed.body.mass, placed.body.inertia, [DAMPING; 2]);
             (Agent { height: Some(STATURE), ..agent }, AgentDynamics::default())
         };
@@ -73,7 +73,7 @@ fn fall() -> Result<f64> {
 /// do on a free body.
 fn pushed_row() -> Result<[f64; 2]> {
     const PUSH: f64 = 1800.0;
-    let people: Vec<Placed> =
+    let people: Vec<PlacedBody> =
         (0..5).map(|k| pedestrian(MASS, DAMPING).at(0.32 * f64::from(k), 0.0)).collect();
     let mut row = Standing::new(&people, 1e-5)?;
     let [mut impulse, mut work, mut made] = [0.0; 3];

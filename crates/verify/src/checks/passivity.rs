@@ -20,7 +20,7 @@ pub(crate) const FIGURES: &[Figure] = &[
 ];
 
 /// A Trial of two people of one material.
-fn pair(people: &[Placed; 2], young_modulus: f64, damping: [f64; 2], friction: f64) -> Result<Trial> {
+fn pair(people: &[PlacedBody; 2], young_modulus: f64, damping: [f64; 2], friction: f64) -> Result<Trial> {
     let mut trial = open("push_agent_agent")?;
     populate(&mut trial, people);
     for material in &mut trial.materials.intrinsic {
@@ -105,7 +105,7 @@ fn corners(law: PairLaw) -> Result<f64> {
     let conservative = law == ELASTIC;
     let (mut worst, mut hits) = (0.0f64, 0);
     let mut random = Random(89);
-    let mut fly = |wall: &[(f64, f64)], body: Placed, time: f64| -> Result<()> {
+    let mut fly = |wall: &[(f64, f64)], body: PlacedBody, time: f64| -> Result<()> {
         let mut world = world(&[body], &[wall], law, 1e-5);
         ensure!(world.contacts().contacts.is_empty(), "it is apart at first");
         let (mut before, mut touched) = (energy(&world), 0);

@@ -45,7 +45,7 @@ fn free(shortlisting: Shortlisting) -> Result<f64> {
     let relaxing = someone.clone().relaxing(4.5, 3.0);
     let mut worst: f64 = 0.0;
     for (person, ramp) in [(&someone, ramp), (&relaxing, Wrench::default()), (&relaxing, ramp)] {
-        let Placed { body, pose: _, twist } = person;
+        let PlacedBody { body, pose: _, twist } = person;
         let mut world = world(std::slice::from_ref(person), &[], BODIES, 1e-5);
         world.shortlisting = shortlisting;
         world.drive_rate[0] = ramp;
@@ -98,7 +98,7 @@ pub(crate) fn pieces_in_contact() -> Result<Halved> {
 /// Six standing people with gaps. The first is pushed with a growing force, another sways on the spot. Within one
 /// communication step the push travels through bodies that were not near anything moving when the step began.
 fn row() -> Result<f64> {
-    let people: Vec<Placed> = (0..6).map(|k| disk(70.0, 0.2).at(0.45 * f64::from(k), 0.0)).collect();
+    let people: Vec<PlacedBody> = (0..6).map(|k| disk(70.0, 0.2).at(0.45 * f64::from(k), 0.0)).collect();
     let mut worlds = [Shortlisting::On, Shortlisting::Off].map(|shortlisting| {
         let mut world = world(&people, &[], ELASTIC, 1e-5);
         world.shortlisting = shortlisting;

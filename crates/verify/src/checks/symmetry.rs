@@ -47,21 +47,21 @@ impl Seen {
     }
 
     /// Maps a body and how it moves: in a mirror, left and right shoulder change places.
-    fn person(&self, person: &Placed) -> Placed {
+    fn person(&self, person: &PlacedBody) -> PlacedBody {
         let mut body = person.body.clone();
         if self.mirror {
             body.disks.iter_mut().for_each(|disk| disk.position.y = -disk.position.y);
             body.disks.reverse();
         }
         let Motion { pose, twist } = self.motion(Motion { pose: person.pose, twist: person.twist });
-        Placed { body, pose, twist }
+        PlacedBody { body, pose, twist }
     }
 }
 
 /// Twenty-five pedestrians of two materials shoulder to shoulder in a corner of walls, for 0.15 s: collisions amplify
 /// rounding errors of places, here about tenfold in 0.05 s.
 struct Case {
-    people: Vec<Placed>,
+    people: Vec<PlacedBody>,
     walls: Vec<WallSpec>,
     /// Laws of two of the first material, of both, and of two of the second.
     laws: [PairLaw; 3],

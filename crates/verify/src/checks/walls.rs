@@ -33,7 +33,7 @@ fn walker(speed: f64, half_wall: f64) -> Result<f64> {
 
 /// A body pressed on a wall and thrown along it. Returns the difference of its motion after 3 s when the wall is
 /// divided into 400 and 4000 equal faces.
-fn in_pieces(body: Placed, half_depth: f64) -> Result<f64> {
+fn in_pieces(body: PlacedBody, half_depth: f64) -> Result<f64> {
     let body = body.at(0.0, half_depth - 1e-4).moving(0.9, 0.0);
     let slide = |pieces: u32| -> Result<World> {
         let corners: Vec<(f64, f64)> =

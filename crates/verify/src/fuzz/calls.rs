@@ -9,7 +9,7 @@ use arguments::{Drawn, HEADER, MOST, Real};
 use lemons_fmi::Status;
 use lemons_fmi::testing::functions::Probe;
 use lemons_fmi::testing::instance::Arguments;
-use lemons_fmi::testing::{Instance, Version, fmi2, fmi3};
+use lemons_fmi::testing::{TestInstance, Version, fmi2, fmi3};
 use std::cell::Cell;
 use std::ffi::c_void;
 use std::fmt::Debug;
@@ -53,7 +53,7 @@ fn of_slave(bytes: &[u8]) -> OfSlave {
 /// An instance, its states and its importer.
 struct Session {
     fmu: Fmu,
-    instance: Rc<Instance>,
+    instance: Rc<TestInstance>,
     /// States that it has given.
     slots: [*mut c_void; 3],
     /// State of an instance to which nothing has happened.
@@ -84,7 +84,7 @@ impl Session {
             logging_on: false,
             ..Arguments::new(&fmu.token, &fmu.location)
         };
-        let instance = Rc::new(Instance::new(&fmu.functions, &arguments).expect("an instance"));
+        let instance = Rc::new(TestInstance::new(&fmu.functions, &arguments).expect("an instance"));
         instance.take_messages();
         let updates = Rc::new(Cell::new(0));
         let (weak, count) = (Rc::downgrade(&instance), updates.clone());
@@ -109,7 +109,7 @@ impl Session {
     }
 
     /// Makes a call and holds its status against what all functions promise.
-    fn status(&self, call: impl FnOnce(&Instance) -> Status) -> Status {
+    fn status(&self, call: impl FnOnce(&TestInstance) -> Status) -> Status {
         let status = call(&self.instance);
         self.answered(status);
         status
@@ -223,7 +223,7 @@ impl Session {
             Call::Start(exits) => {
                 self.status(|instance| instance.enter(None, 0.0, None));
                 if *exits && self.writes_in_its_place() {
-                    self.status(Instance::exit);
+                    self.status(TestInstance::exit);
                 }
                 Status::Ok
             }
@@ -397,7 +397,7 @@ mod tests {
         }
 
         /// Makes a call by a method of the instance.
-        fn by(&mut self, name: &str, call: impl FnOnce(&Instance) -> Status) -> Status {
+        fn by(&mut self, name: &str, call: impl FnOnce(&TestInstance) -> Status) -> Status {
             self.make(&name, |session, _| session.status(call))
         }
     }
@@ -426,7 +426,7 @@ mod tests {
             assert_eq!(session.by("restore", |instance| instance.restore(&touching)), Status::Ok);
             assert_eq!(session.instance.bytes(), touching);
             assert_eq!(edited(&touching, &[], Seal::Good), touching, "the length and the checksum are those");
-            assert_eq!(session.by("reset", Instance::reset), Status::Ok);
+            assert_eq!(session.by("reset", TestInstance::reset), Status::Ok);
             assert_eq!(session.instance.bytes(), session.pristine);
         }
     }

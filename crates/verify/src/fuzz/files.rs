@@ -4,7 +4,7 @@ use crate::fuzz::models::{small_trial, walkers};
 use crate::fuzz::show_panics;
 use crowd_mechanics::c_api::{CallError, advance_files};
 use crowd_mechanics::model_description::model_description;
-use crowd_mechanics::pack::Format;
+use crowd_mechanics::pack::FmuFormat;
 use crowd_mechanics::quantities::scalars;
 use crowd_mechanics::setup::{self, Setup};
 use crowd_mechanics::setup::{dynamics_of, interactions_of};
@@ -12,7 +12,7 @@ use lemons_core::trial::{FileNames, Trial};
 use lemons_decision::{Decision, DecisionConfig, Plan};
 use lemons_fmi::{Model, Step};
 use lemons_master::Fmu;
-use lemons_master::ssp::Archive;
+use lemons_master::ssp::ArchiveReader;
 use std::collections::HashSet;
 use std::io::Write;
 use std::path::Path;
@@ -83,7 +83,7 @@ fn reads_back(trial: &Trial, place: &Path) {
 
 /// A model description that is XML, with unique names.
 fn well_described(trial: &Trial) {
-    let text = model_description(trial, Format::default());
+    let text = model_description(trial, FmuFormat::default());
     roxmltree::Document::parse(&text).unwrap_or_else(|error| panic!("{error} in {text}"));
     let mut names = HashSet::new();
     for scalar in scalars(trial) {
@@ -121,7 +121,7 @@ pub fn ssp_archive(data: &[u8]) {
     let directory = directory();
     let path = directory.path().join("x.ssp");
     std::fs::write(&path, content).expect("a file");
-    let structure = Archive::open(&path).and_then(|mut archive| archive.structure());
+    let structure = ArchiveReader::open(&path).and_then(|mut archive| archive.structure());
     match structure {
         Ok(structure) => {
             for connection in &structure.connections {

@@ -6,14 +6,14 @@ use crate::fuzz::show_panics;
 use lemons_core::files::Staged;
 use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::{DriveChoice, DriveTable};
-use lemons_master::Saved;
+use lemons_master::SavedRun;
 use lemons_results::columns::Groups;
 use lemons_results::{
-    Content, Format, FrameWriter, Observed, OfLegs, Record, RecordError, Run, TableWriter, Told, Totals,
-    pedpy,
+    FrameWriter, Observed, OfLegs, Record, RecordError, Run, TableContent, TableFormat, TableWriter, Told,
+    Totals, pedpy,
 };
 use lemons_sim::Clock;
-use lemons_sweep::{Finished, Measured, Points, Spec, Table};
+use lemons_sweep::{Finished, MeasuredValue, Points, Spec, SweepTable};
 use std::collections::HashSet;
 use std::fs::File;
 use std::path::Path;
@@ -84,7 +84,7 @@ pub fn table_csv(data: &[u8]) {
     assert!(run.frames.iter().all(|frame| frame.agents.len() == run.ids.len()), "everybody at every time");
     let different: HashSet<&String> = run.ids.iter().collect();
     assert_eq!(different.len(), run.ids.len(), "an agent stands twice: {:?}", run.ids);
-    for format in [Format::Csv, Format::Parquet] {
+    for format in [TableFormat::Csv, TableFormat::Parquet] {
         let again = directory.path().join("again");
         write(&run, &again, format);
         let back = Run::read_table(&again).unwrap_or_else(|error| panic!("{error}"));
@@ -167,9 +167,9 @@ fn groups_of(run: &Run) -> Groups {
     }
 }
 
-fn write(run: &Run, path: &Path, format: Format) {
+fn write(run: &Run, path: &Path, format: TableFormat) {
     let groups = groups_of(run);
-    let content = Content { columns: groups.columns(), about: Vec::new() };
+    let content = TableContent { columns: groups.columns(), about: Vec::new() };
     let file = File::create(path).expect("a file");
     let table = TableWriter::create(file, path, format, &content).expect("a table");
     let mut writer = FrameWriter::new(table, run.ids.clone(), groups);
@@ -229,14 +229,14 @@ fn kept(points: &Points, measures: &[String], path: &Path) {
     let outcome = |point: usize| match point % 3 {
         2 => Err("it \"fell\", badly".to_owned()),
         way => Ok((0..measures.len())
-            .map(|k| (k % 2 == way).then(|| Measured::Number(point as f64 / 3.0)))
+            .map(|k| (k % 2 == way).then(|| MeasuredValue::Number(point as f64 / 3.0)))
             .collect()),
     };
     let rows: Vec<Finished> =
         (0..points.count).map(|point| Finished { point, outcome: outcome(point) }).collect();
     let open = || {
         let mut table =
-            Table::open(path, &Default::default(), points).unwrap_or_else(|error| panic!("{error:?}"));
+            SweepTable::open(path, &Default::default(), points).unwrap_or_else(|error| panic!("{error:?}"));
         table.name_measures(measures).unwrap_or_else(|error| panic!("{error:?}"));
         table
     };
@@ -264,7 +264,7 @@ pub fn run_file(data: &[u8]) {
         _ => with_its_states(content),
     };
     std::fs::write(&path, bytes).expect("a file");
-    let (saved, states) = match Saved::read(&path) {
+    let (saved, states) = match SavedRun::read(&path) {
         Ok(read) => read,
         Err(error) => {
             let error = error.whole();
@@ -285,7 +285,7 @@ pub fn run_file(data: &[u8]) {
         std::fs::read(&again).expect("a file")
     };
     let first = write();
-    let (back, same) = Saved::read(&again).unwrap_or_else(|error| panic!("{error:?}"));
+    let (back, same) = SavedRun::read(&again).unwrap_or_else(|error| panic!("{error:?}"));
     assert!(back == saved && same == states, "{back:?}\n{saved:?}");
     assert_eq!(write(), first, "the same run gives the same bytes");
 }
@@ -309,8 +309,8 @@ fn with_its_states(text: &[u8]) -> Vec<u8> {
 }
 
 /// Checks what a run goes on from.
-fn sound(saved: &Saved) {
-    let Saved { start, step, until, index, time, every, .. } = *saved;
+fn sound(saved: &SavedRun) {
+    let SavedRun { start, step, until, index, time, every, .. } = *saved;
     assert!(start.is_finite() && until.is_finite() && step > 0.0 && step.is_finite() && every > 0);
     assert!(time.is_finite() && time >= start, "{saved:?}");
     assert!(saved.crowd.iter().all(|crowd| crowd.extremes.are_possible() && crowd.since.is_possible()));

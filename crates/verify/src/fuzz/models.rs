@@ -1,14 +1,14 @@
 //! Two small FMUs, unpacked: what the calls are made on.
 
 use crowd_mechanics::model::CrowdModel;
-use crowd_mechanics::quantities::Quantity;
+use crowd_mechanics::quantities::CrowdQuantity;
 use crowd_mechanics::setup;
 use lemons_core::plane::vec2;
 use lemons_core::trial::{OpeningTimes, Trial, Wall};
 use lemons_decision::{DECISION_FILE, Decision};
 use lemons_fmi::testing::Version;
-use lemons_fmi::testing::instance::Functions;
-use lemons_fmi::variables::{Dimension, Kind};
+use lemons_fmi::testing::instance::VersionFunctions;
+use lemons_fmi::variables::{Dimension, VariableType};
 use lemons_fmi::{Model, guid, instantiation_token, reference};
 use std::collections::BTreeMap;
 use std::ffi::CString;
@@ -18,23 +18,23 @@ use std::sync::OnceLock;
 use tempfile::TempDir;
 
 /// A variable: a number or a text in FMI 2.0, an array in FMI 3.0.
-pub(crate) struct Variable {
+pub(crate) struct FuzzVariable {
     pub reference: u32,
     pub name: String,
-    pub kind: Kind,
+    pub kind: VariableType,
     pub dimensions: &'static [Dimension],
 }
 
 /// An unpacked FMU, and what its model description says.
 pub(crate) struct Fmu {
     _directory: Rc<TempDir>,
-    pub functions: Functions,
+    pub functions: VersionFunctions,
     pub location: CString,
     /// GUID or instantiation token.
     pub token: CString,
     /// Value references are below this number.
     pub count: u32,
-    pub variables: Vec<Variable>,
+    pub variables: Vec<FuzzVariable>,
     pub reals: Vec<u32>,
     pub integers: Vec<u32>,
     pub booleans: Vec<u32>,
@@ -96,7 +96,7 @@ impl Fmu {
         let token = match version {
             Version::V2 => {
                 let scalars = model.scalars();
-                variables.extend((0..).zip(&scalars).map(|(reference, scalar)| Variable {
+                variables.extend((0..).zip(&scalars).map(|(reference, scalar)| FuzzVariable {
                     reference,
                     name: scalar.name.clone(),
                     kind: scalar.variable.kind,
@@ -105,7 +105,7 @@ impl Fmu {
                 guid(&scalars)
             }
             Version::V3 => {
-                variables.extend(M::VARIABLES.iter().map(|variable| Variable {
+                variables.extend(M::VARIABLES.iter().map(|variable| FuzzVariable {
                     reference: reference::<M>(variable.quantity).expect("a row"),
                     name: variable.name.to_owned(),
                     kind: variable.kind,
@@ -115,20 +115,20 @@ impl Fmu {
                 instantiation_token::<M>()
             }
         };
-        let of_kind = |wanted: fn(Kind) -> bool| {
+        let of_kind = |wanted: fn(VariableType) -> bool| {
             let variables = variables.iter().filter(|variable| wanted(variable.kind));
             variables.map(|variable| variable.reference).collect::<Vec<u32>>()
         };
         Fmu {
             _directory: resources.directory.clone(),
-            functions: Functions::of_model::<M>(version),
+            functions: VersionFunctions::of_model::<M>(version),
             location: text(&version.location(&resources.resources)),
             token: text(&token.braced().to_string()),
             count: variables.iter().map(|variable| variable.reference + 1).max().unwrap_or(0),
-            reals: of_kind(|kind| matches!(kind, Kind::Real(_))),
-            integers: of_kind(|kind| kind == Kind::Integer),
-            booleans: of_kind(|kind| kind == Kind::Boolean),
-            strings: of_kind(|kind| kind == Kind::String),
+            reals: of_kind(|kind| matches!(kind, VariableType::Real(_))),
+            integers: of_kind(|kind| kind == VariableType::Integer),
+            booleans: of_kind(|kind| kind == VariableType::Boolean),
+            strings: of_kind(|kind| kind == VariableType::String),
             sizes,
             texts: resources.texts.iter().map(|value| text(value)).collect(),
             variables,
@@ -159,7 +159,7 @@ fn crowd_output_directory(content: &[u8]) -> Option<String> {
     /// Phase, time, experiment, sizes.
     type OfSlave = (u32, f64, Option<(f64, Option<f64>)>, Vec<u64>);
     /// Beginning of `model::Saved`: Trial, fingerprint, settings, whether it plays, threads, most steps, intermediate steps.
-    type Before = (String, u128, BTreeMap<(Quantity, usize), f64>, bool, i32, f64, i32);
+    type Before = (String, u128, BTreeMap<(CrowdQuantity, usize), f64>, bool, i32, f64, i32);
     let (_, rest) = postcard::take_from_bytes::<(OfSlave, Before)>(content).ok()?;
     Some(postcard::take_from_bytes(rest).ok()?.0)
 }

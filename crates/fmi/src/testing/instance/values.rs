@@ -1,11 +1,11 @@
 //! Values of variables, read and set by an importer.
 
-use super::{Functions, Instance};
+use super::{TestInstance, VersionFunctions};
 use crate::Status;
 use std::ffi::{CStr, CString};
 use std::ptr::null;
 
-impl Instance {
+impl TestInstance {
     /// `fmi2GetReal`, `fmi3GetFloat64`: so many values.
     pub fn get_real(&self, references: &[u32], length: usize) -> (Status, Vec<f64>) {
         let mut values = vec![f64::NAN; length];
@@ -38,11 +38,11 @@ impl Instance {
         let (at, count) = (self.or_null(0, references.as_ptr()), references.len());
         // SAFETY: an instance, and arrays as long as said, or NULL.
         let status = match &self.functions {
-            Functions::V2(c) => unsafe {
+            VersionFunctions::V2(c) => unsafe {
                 assert_eq!(count, length);
                 (c.fmi2GetBoolean)(self.raw, at, count, self.or_null_mut(1, integers.as_mut_ptr()))
             },
-            Functions::V3(c) => unsafe {
+            VersionFunctions::V3(c) => unsafe {
                 let to = self.or_null_mut(1, values.as_mut_ptr());
                 let status = (c.fmi3GetBoolean)(self.raw, at, count, to, length);
                 integers = values.into_iter().map(i32::from).collect();
@@ -57,11 +57,11 @@ impl Instance {
         let (at, count) = (self.or_null(0, references.as_ptr()), references.len());
         // SAFETY: an instance, and arrays as long as said, or NULL.
         match &self.functions {
-            Functions::V2(c) => unsafe {
+            VersionFunctions::V2(c) => unsafe {
                 assert_eq!(count, values.len());
                 (c.fmi2SetBoolean)(self.raw, at, count, self.or_null(1, values.as_ptr()))
             },
-            Functions::V3(c) => unsafe {
+            VersionFunctions::V3(c) => unsafe {
                 let values: Vec<bool> = values.iter().map(|value| *value != 0).collect();
                 (c.fmi3SetBoolean)(self.raw, at, count, self.or_null(1, values.as_ptr()), values.len())
             },
@@ -117,11 +117,13 @@ impl Instance {
         let (count, to) = (references.len(), self.or_null_mut(1, values.as_mut_ptr()));
         // SAFETY: an instance, and arrays as long as said, or NULL.
         let status = match &self.functions {
-            Functions::V2(c) => unsafe {
+            VersionFunctions::V2(c) => unsafe {
                 assert_eq!(count, length);
                 (c.fmi2GetRealOutputDerivatives)(self.raw, at, count, of, to)
             },
-            Functions::V3(c) => unsafe { (c.fmi3GetOutputDerivatives)(self.raw, at, count, of, to, length) },
+            VersionFunctions::V3(c) => unsafe {
+                (c.fmi3GetOutputDerivatives)(self.raw, at, count, of, to, length)
+            },
         };
         (status, values)
     }

@@ -7,9 +7,9 @@
 //! parameter `WallSegments` has the elements `wall[k].Name`. Where an array of people has the name that FMI 2.0 gives to
 //! a number of the whole crowd, this number is called `TotalName` in FMI 3.0, and `Name` here.
 
-use super::{Dimension, Interface, Single, Variable};
+use super::{ArrayDimension, FmuVariable, Interface, Single};
 use crate::error::{Result, require};
-use crate::ssp::document::Kind;
+use crate::ssp::document::Causality;
 
 /// The structural parameter that is the number of people.
 const AGENTS: &str = "Agents";
@@ -48,12 +48,12 @@ impl Interface {
     }
 
     /// Returns the name of a value of one of the variables.
-    pub fn name_of(&self, variable: &Variable, element: usize) -> String {
+    pub fn name_of(&self, variable: &FmuVariable, element: usize) -> String {
         self.name_with(&variable.name, variable, element)
     }
 
     /// Returns the name of a value of a variable that has this name, or this alias.
-    fn name_with(&self, name: &str, variable: &Variable, element: usize) -> String {
+    fn name_with(&self, name: &str, variable: &FmuVariable, element: usize) -> String {
         if !variable.is_array() {
             let of_agents = name
                 .strip_prefix(TOTAL)
@@ -79,12 +79,12 @@ impl Interface {
     }
 
     /// Returns whether the variable has an element, or elements, for each of some people.
-    pub fn is_of_agents(&self, variable: &Variable) -> bool {
+    pub fn is_of_agents(&self, variable: &FmuVariable) -> bool {
         self.is_of(AGENTS, variable)
     }
 
     /// Returns whether the first dimension of the variable is the structural parameter of this name.
-    fn is_of(&self, size: &str, variable: &Variable) -> bool {
+    fn is_of(&self, size: &str, variable: &FmuVariable) -> bool {
         let first = variable.dimensions.first().and_then(|first| first.parameter);
         first.is_some_and(|place| self.variables[place].name == size)
     }
@@ -121,7 +121,7 @@ impl Interface {
     /// There is no such parameter that is the size of arrays, or the arrays become too large.
     pub fn resize(&mut self, name: &str, size: u64) -> Result<(), String> {
         let place = self.places.get(name).copied();
-        let place = place.filter(|place| self.variables[*place].kind == Some(Kind::StructuralParameter));
+        let place = place.filter(|place| self.variables[*place].kind == Some(Causality::StructuralParameter));
         let place = place.ok_or("the FMU has no structural parameter of this name")?;
         let new = usize::try_from(size).unwrap_or(usize::MAX);
         let mut variables = self.variables.clone();
@@ -135,7 +135,7 @@ impl Interface {
                 variable.start.clear();
             }
         }
-        let (most, all) = (super::variables::MOST_VALUES, variables.iter().map(Variable::checked_count));
+        let (most, all) = (super::variables::MOST_VALUES, variables.iter().map(FmuVariable::checked_count));
         let few = all.sum::<Option<usize>>().is_some_and(|all| all <= most);
         require(few, || format!("the variables would have more than {most} values in all"))?;
         variables[place].start = vec![size.to_string()];
@@ -151,8 +151,8 @@ pub(crate) fn written(indices: &[usize]) -> String {
 }
 
 /// Returns the place of the element with indices from 1, in row-major order, if there is such an element.
-pub(crate) fn place_of(dimensions: &[Dimension], indices: &[usize]) -> Option<usize> {
-    let next = |place: usize, (index, dimension): (&usize, &Dimension)| {
+pub(crate) fn place_of(dimensions: &[ArrayDimension], indices: &[usize]) -> Option<usize> {
+    let next = |place: usize, (index, dimension): (&usize, &ArrayDimension)| {
         let index = index.checked_sub(1).filter(|index| *index < dimension.size)?;
         Some(place * dimension.size + index)
     };

@@ -1,8 +1,8 @@
 //! The variables of a description: single values in FMI 2.0, also arrays in FMI 3.0.
 
-use super::{Dimension, Interface, Variable};
+use super::{ArrayDimension, FmuVariable, Interface};
 use crate::error::Result;
-use crate::ssp::document::{Kind, Type};
+use crate::ssp::document::{Causality, FmiType};
 use lemons_core::xml::Element;
 use lemons_fmi::Version;
 use std::collections::HashMap;
@@ -61,40 +61,40 @@ pub fn read_variables(interface: &mut Interface, root: Element) -> Result<()> {
 }
 
 /// Returns an element that says a type, with the type; `None` if this version of FMI has no such type.
-fn typed(element: Element, v3: bool) -> Option<(Element, Type)> {
-    let is_known = |of: &Type| match of {
-        Type::Boolean | Type::String | Type::Enumeration => true,
-        Type::Real | Type::Integer => !v3,
+fn typed(element: Element, v3: bool) -> Option<(Element, FmiType)> {
+    let is_known = |of: &FmiType| match of {
+        FmiType::Boolean | FmiType::String | FmiType::Enumeration => true,
+        FmiType::Real | FmiType::Integer => !v3,
         _ => v3,
     };
-    Type::named(element.name()).filter(is_known).map(|of| (element, of))
+    FmiType::named(element.name()).filter(is_known).map(|of| (element, of))
 }
 
-fn read_variable(element: Element, typed: Element, of: Type, declared: &Units) -> Result<Variable> {
+fn read_variable(element: Element, typed: Element, of: FmiType, declared: &Units) -> Result<FmuVariable> {
     let reference = element.parsed("valueReference", "a number from 0 to 4294967295")?;
     let causality = element.optional("causality").unwrap_or("local");
-    let kind = Kind::named(causality);
+    let kind = Causality::named(causality);
     let declared_type = typed.optional("declaredType");
     let of_type = || declared.get(declared_type?).copied();
     let unit = typed.optional("unit").or_else(of_type).filter(|unit| !unit.is_empty());
     // Those of texts are elements in FMI 3.0, all others are in one attribute.
     let start = typed.optional("start").into_iter();
     let start = match of {
-        Type::String | Type::Binary if typed.has("start") => start.map(str::to_owned).collect(),
-        Type::String | Type::Binary => {
+        FmiType::String | FmiType::Binary if typed.has("start") => start.map(str::to_owned).collect(),
+        FmiType::String | FmiType::Binary => {
             let texts = element.children("Start").map(|start| Ok(start.text("value")?.to_owned()));
             texts.collect::<Result<_>>()?
         }
         _ => start.flat_map(str::split_whitespace).map(str::to_owned).collect(),
     };
-    Ok(Variable {
+    Ok(FmuVariable {
         name: element.text("name")?.to_owned(),
         reference: reference.ok_or_else(|| element.problem("has no valueReference"))?,
         // Outside of Event Mode, what belongs to a clock has no value that counts.
-        kind: kind.filter(|_| of != Type::Clock && !element.has("clocks")),
+        kind: kind.filter(|_| of != FmiType::Clock && !element.has("clocks")),
         of,
-        unit: unit.filter(|_| of.class() == Type::Real).map(str::to_owned),
-        enumeration: (of == Type::Enumeration).then(|| declared_type.unwrap_or_default().to_owned()),
+        unit: unit.filter(|_| of.class() == FmiType::Real).map(str::to_owned),
+        enumeration: (of == FmiType::Enumeration).then(|| declared_type.unwrap_or_default().to_owned()),
         dimensions: Vec::new(),
         start,
         description: element.optional("description").map(str::to_owned),
@@ -132,19 +132,23 @@ fn read_sizes(
     Ok(())
 }
 
-fn read_dimension(interface: &Interface, references: &References, dimension: Element) -> Result<Dimension> {
+fn read_dimension(
+    interface: &Interface,
+    references: &References,
+    dimension: Element,
+) -> Result<ArrayDimension> {
     let size: Option<u64> = dimension.parsed("start", "a whole number that is not negative")?;
     let parameter: Option<u32> = dimension.parsed("valueReference", "a number from 0 to 4294967295")?;
     let (size, parameter) = match (size, parameter) {
         (Some(size), None) => (size, None),
         (None, Some(reference)) => {
-            let is_size = |variable: &Variable| {
-                variable.kind == Some(Kind::StructuralParameter) && variable.of == Type::UInt64
+            let is_size = |variable: &FmuVariable| {
+                variable.kind == Some(Causality::StructuralParameter) && variable.of == FmiType::UInt64
             };
             let place = references.get(&reference).filter(|place| is_size(&interface.variables[**place]));
             let why = "no structural parameter of type UInt64 has this value reference";
             let place = *place.ok_or_else(|| dimension.wrong("valueReference", why))?;
-            let Variable { name, start, .. } = &interface.variables[place];
+            let FmuVariable { name, start, .. } = &interface.variables[place];
             let size = start.first().and_then(|start| start.parse().ok()).ok_or_else(|| {
                 let why = format!("the structural parameter {name:?} has no start value that is a size");
                 dimension.wrong("valueReference", why)
@@ -156,19 +160,19 @@ fn read_dimension(interface: &Interface, references: &References, dimension: Ele
             return Err(dimension.problem(format!("has {what} a valueReference")).into());
         }
     };
-    Ok(Dimension { size: usize::try_from(size).unwrap_or(usize::MAX), parameter })
+    Ok(ArrayDimension { size: usize::try_from(size).unwrap_or(usize::MAX), parameter })
 }
 
 /// Checks that start values are numbers where they must be, and as many as elements.
-fn check_starts(variable: &Variable, element: Element) -> Result<()> {
+fn check_starts(variable: &FmuVariable, element: Element) -> Result<()> {
     let (given, count) = (variable.start.len(), variable.count());
     if given > 1 && given != count {
         let why = format!("the variable {:?} has {given} start values, but {count} values", variable.name);
-        let texts = matches!(variable.of, Type::String | Type::Binary);
+        let texts = matches!(variable.of, FmiType::String | FmiType::Binary);
         let problem = element.problem(&why);
         return Err(if texts { problem } else { element.wrong("start", why) }.into());
     }
-    if variable.of.class() == Type::Real {
+    if variable.of.class() == FmiType::Real {
         let nan = |start: &String| start.trim().parse::<f64>().is_ok_and(f64::is_nan);
         if let Some(place) = variable.start.iter().position(nan) {
             let which = if given > 1 { format!(" (value {} of {given})", place + 1) } else { String::new() };
@@ -182,7 +186,7 @@ fn check_starts(variable: &Variable, element: Element) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ssp::unit::Unit;
+    use crate::ssp::unit::SspUnit;
 
     /// As another tool might write it: sizes after the arrays, an alias, a declared type, a clock, each type of number.
     const FOREIGN: &str = include_str!("../../../tests/ssp_files/modelDescription.xml");
@@ -206,8 +210,8 @@ mod tests {
         );
         let a = interface.variable("A").unwrap();
         assert_eq!(interface.variable("B"), Some(a), "an alias");
-        assert_eq!((a.kind, a.of, a.unit.as_deref()), (Some(Kind::Input), Type::Float64, Some("m")));
-        assert_eq!(interface.unit("m").map(|unit: &Unit| unit.exponents[1]), Some(1));
+        assert_eq!((a.kind, a.of, a.unit.as_deref()), (Some(Causality::Input), FmiType::Float64, Some("m")));
+        assert_eq!(interface.unit("m").map(|unit: &SspUnit| unit.exponents[1]), Some(1));
         assert_eq!((a.count(), a.start_of(5), a.start_of(6)), (6, Some("6"), None));
         // Row-major order, indices from 1.
         let names: Vec<String> = interface.singles().map(|(name, _)| name).collect();
@@ -226,9 +230,9 @@ mod tests {
         }
         let kind =
             |name: &str| (interface.variable(name).unwrap().kind, interface.variable(name).unwrap().of);
-        assert_eq!(kind("e"), (Some(Kind::Output), Type::Enumeration));
-        assert_eq!(kind("y"), (Some(Kind::Output), Type::Float32));
-        assert_eq!(kind("m"), (Some(Kind::StructuralParameter), Type::UInt64));
+        assert_eq!(kind("e"), (Some(Causality::Output), FmiType::Enumeration));
+        assert_eq!(kind("y"), (Some(Causality::Output), FmiType::Float32));
+        assert_eq!(kind("m"), (Some(Causality::StructuralParameter), FmiType::UInt64));
         assert_eq!((kind("tick").0, kind("counted").0), (None, None), "there is no Event Mode");
         assert_eq!(interface.variable("s").unwrap().start, ["one & a half", ""]);
     }

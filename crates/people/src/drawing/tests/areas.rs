@@ -45,7 +45,7 @@ fn an_area_between_others_is_no_double() {
         .map(|at| format!("0 LWPOLYLINE 8 walkablearea {} 10 {} 20 {} ", square(*at), at.0, at.1))
         .collect();
     for entities in [closed, open] {
-        let plan = plan(Format::Dxf, &dxf_of("9 $INSUNITS 70 6", "", &entities));
+        let plan = plan(DrawingFormat::Dxf, &dxf_of("9 $INSUNITS 70 6", "", &entities));
         assert_eq!((plan.walls.len(), plan.doubles), (1, 0));
         assert!((plan.area().unwrap() - 9.0).abs() < 1e-6);
     }
@@ -154,7 +154,7 @@ fn polygons_of_well_known_text_are_one_area() {
         ("POLYGON ((0 0, 10 0, 12 0, 10 0, 10 5, 0 5, 0 0))", 1, 50.0, 0),
         ("POLYGON ((0 0, 10 0, 10 5, 0 5, 0 0, 2 1, 2 4, 5 4, 5 1, 2 1, 0 0))", 2, 41.0, 0),
     ] {
-        let found = plan(Format::Wkt, text);
+        let found = plan(DrawingFormat::Wkt, text);
         let of = found.area().unwrap();
         assert!((of - area).abs() < 1e-5, "{text}: {of}");
         assert_eq!((found.walls.len(), found.within.len()), (walls, within), "{text}: {:?}", found.walls);
@@ -162,7 +162,7 @@ fn polygons_of_well_known_text_are_one_area() {
     // What is said of it.
     let room = "POLYGON ((0 0, 10 0, 10 5, 0 5, 0 0))";
     let boxes = ["POLYGON ((9 4, 10 4, 10 5, 9 5, 9 4))", "POLYGON ((2 1, 5 1, 5 4, 2 4, 2 1))"];
-    let said = |text: String| read_as(Format::Wkt, &text).unwrap().said("x");
+    let said = |text: String| read_as(DrawingFormat::Wkt, &text).unwrap().said("x");
     let find = |said: &[(&str, String)], key: &str| {
         said.iter().find(|(what, _)| *what == key).map(|(_, how)| how.clone()).unwrap()
     };
@@ -177,7 +177,7 @@ fn polygons_of_well_known_text_are_one_area() {
     assert!(
         find(&two, "warning").starts_with("POLYGON 1, POLYGON 2 lie within other polygons and are counted")
     );
-    let said = read_as(Format::Wkt, "POLYGON ((0 0, 10 0, 0 5, 10 5, 0 0))").unwrap_err().to_string();
+    let said = read_as(DrawingFormat::Wkt, "POLYGON ((0 0, 10 0, 0 5, 10 5, 0 0))").unwrap_err().to_string();
     assert_eq!(said, "POLYGON 0: its sides cross or touch each other");
 }
 
@@ -192,7 +192,7 @@ fn areas_that_share_a_side_are_united_at_each_angle() {
         };
         let features =
             [[0.0, 0.0, 6.0, 4.0], [2.0, 4.0, 4.0, 9.0]].map(|sides| feature("walkablearea-0", &room(sides)));
-        let found = plan(Format::GeoJson, &collection(&features));
+        let found = plan(DrawingFormat::GeoJson, &collection(&features));
         assert_eq!((found.walls.len(), found.walls[0].len() < 12), (1, true), "{degrees}: {:?}", found.walls);
         assert!((found.area().unwrap() - 34.0).abs() < 0.02, "{degrees}: {:?}", found.area());
         let (a, b) = (turn * vec2(3.0, 3.5), turn * vec2(3.0, 4.5));

@@ -14,7 +14,7 @@ fn curves_deviate_by_no_more_than_was_asked_for() {
         let reading = Reading { deviation, ..METRES };
         let read = |entities: &str| {
             let text = dxf_of("", "", entities);
-            Drawing::read(Format::Dxf, text.as_bytes(), &reading).unwrap().lines.remove(0)
+            Drawing::read(DrawingFormat::Dxf, text.as_bytes(), &reading).unwrap().lines.remove(0)
         };
         let circle = read("0 CIRCLE 8 A 10 1 20 2 40 3");
         check_curve(&circle, arc(3.0, 0.0, 360.0), deviation);
@@ -47,7 +47,7 @@ fn curves_deviate_by_no_more_than_was_asked_for() {
         check_curve(&quarter, |t| vec2(5.0 * (0.5 * PI * t).cos(), 5.0 * (0.5 * PI * t).sin()), deviation);
         let svg = |path: &str| {
             let text = format!("<svg viewBox='0 0 9 9'><path d='{path}'/></svg>");
-            Drawing::read(Format::Svg, text.as_bytes(), &reading).unwrap().lines.remove(0)
+            Drawing::read(DrawingFormat::Svg, text.as_bytes(), &reading).unwrap().lines.remove(0)
         };
         let cubic = |t: f64| {
             let s = 1.0 - t;

@@ -9,7 +9,7 @@ fn units_and_places_that_no_room_has_are_doubted() {
         let square = rectangle("walkablearea", [x, y, right, top]);
         let text = dxf_of(&format!("9 $INSUNITS 70 {unit}"), "", &square);
         let reading = Reading::default();
-        let read = Read::of(Format::Dxf, text.as_bytes(), &reading, &PlanSettings::default()).unwrap();
+        let read = Read::of(DrawingFormat::Dxf, text.as_bytes(), &reading, &PlanSettings::default()).unwrap();
         let said = read.said("x");
         let find = |key: &str| said.iter().find(|(what, _)| *what == key).map(|(_, how)| how.clone());
         (find("unit?"), find("far"), find("ground").unwrap())
@@ -30,7 +30,8 @@ fn units_and_places_that_no_room_has_are_doubted() {
     assert!(ground.starts_with("48.000 m²"));
     // A hall of 15 m x 12 m that is drawn in millimetres, and read in metres; a platform of 400 m is a room.
     let of = |x: f64, y: f64| {
-        let read = read_as(Format::Wkt, &format!("POLYGON ((0 0, {x} 0, {x} {y}, 0 {y}, 0 0))")).unwrap();
+        let read =
+            read_as(DrawingFormat::Wkt, &format!("POLYGON ((0 0, {x} 0, {x} {y}, 0 {y}, 0 0))")).unwrap();
         read.said("x").into_iter().find(|(what, _)| *what == "unit?").map(|(_, how)| how)
     };
     let hall = of(15_000.0, 12_000.0).unwrap();
@@ -51,9 +52,10 @@ fn a_wall_that_only_the_swing_of_a_door_closes_is_doubted() {
         |corners: &[(f64, f64)]| corners.windows(2).map(|ends| line(ends[0], ends[1])).collect::<String>();
     let of = |entities: &str| {
         let text = dxf_of("", "", entities);
-        let read =
-            |settings: &PlanSettings| Read::of(Format::Dxf, text.as_bytes(), &METRES, settings).unwrap();
-        let drawing = drawing(Format::Dxf, &text).unwrap();
+        let read = |settings: &PlanSettings| {
+            Read::of(DrawingFormat::Dxf, text.as_bytes(), &METRES, settings).unwrap()
+        };
+        let drawing = drawing(DrawingFormat::Dxf, &text).unwrap();
         let doors = Proposal::of(&drawing, &[], None, None).unwrap().unwrap().doors();
         let at = |door: &crate::Door| ((1e3 * door.at).into(), 1e3 * door.width);
         let doors: Vec<([f64; 2], f64)> = doors.iter().map(at).collect();

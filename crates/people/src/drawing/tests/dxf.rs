@@ -31,7 +31,8 @@ fn blocks_are_scaled_turned_moved_repeated_and_nested() {
 fn units_are_those_of_the_file_or_of_the_user() {
     let read = |header: &str, unit| {
         let text = dxf_of(header, "", "0 LINE 8 A 10 0 20 0 11 2000 21 0");
-        let drawing = Drawing::read(Format::Dxf, text.as_bytes(), &Reading { unit, deviation: DEVIATION });
+        let drawing =
+            Drawing::read(DrawingFormat::Dxf, text.as_bytes(), &Reading { unit, deviation: DEVIATION });
         drawing.map(|drawing| (drawing.lines[0].corners[1].x, drawing.unit_from))
     };
     assert_eq!(read("9 $INSUNITS 70 4", None).unwrap(), (2.0, UnitFrom::File));
@@ -56,7 +57,7 @@ fn the_user_overrides_a_unit_that_is_not_known() {
     let read = |unit: Option<f64>, code: &str, x: &str| {
         let header = format!("9 $INSUNITS 70 {code}");
         let text = dxf_of(&header, "", &format!("0 LINE 8 A 10 0 20 0 11 {x} 21 0"));
-        Drawing::read(Format::Dxf, text.as_bytes(), &Reading { unit, ..METRES })
+        Drawing::read(DrawingFormat::Dxf, text.as_bytes(), &Reading { unit, ..METRES })
     };
     for code in ["99", "x"] {
         assert!(read(None, code, "1").unwrap_err().to_string().contains("$INSUNITS"));
@@ -74,7 +75,7 @@ fn what_is_in_other_files_or_cut_off_is_said() {
     let of = |flags: &str| {
         let text =
             dxf_of("", &block.replace("FLAGS", flags), &format!("{square} 0 INSERT 8 B 2 XR 10 0 20 0"));
-        left_out_of(&plan(Format::Dxf, &text))
+        left_out_of(&plan(DrawingFormat::Dxf, &text))
     };
     let expected = "1 INSERT of \"XR\": the file \"../other.dwg\" that it stands for is not read; bind it on layer \"B\"";
     // An external reference, one that is found, and one over another.
@@ -85,7 +86,8 @@ fn what_is_in_other_files_or_cut_off_is_said() {
     assert!(of("0").is_empty());
 
     let whole = dxf_of("", "", square);
-    let cut = |end: &str| Drawing::read(Format::Dxf, &whole.as_bytes()[..whole.find(end).unwrap()], &METRES);
+    let cut =
+        |end: &str| Drawing::read(DrawingFormat::Dxf, &whole.as_bytes()[..whole.find(end).unwrap()], &METRES);
     let error = cut("6\n0\nENDSEC\n0\nEOF").unwrap_err().to_string();
     assert!(error.ends_with("without its value"), "{error}");
     let error = cut("20\n6\n0\nENDSEC\n0\nEOF").unwrap_err().to_string();
@@ -100,7 +102,7 @@ fn widths_of_polylines_are_said() {
     let of = |entity: &str| {
         let text = dxf_of("", "", entity);
         let reading = Reading { unit: Some(0.01), ..METRES };
-        let drawing = Drawing::read(Format::Dxf, text.as_bytes(), &reading).unwrap();
+        let drawing = Drawing::read(DrawingFormat::Dxf, text.as_bytes(), &reading).unwrap();
         (drawing.lines[0].corners.len(), drawing.left_out.iter().map(left_out).collect::<Vec<_>>())
     };
     let said =

@@ -2,7 +2,7 @@
 
 use super::*;
 
-fn refused(format: Format, text: &str) -> String {
+fn refused(format: DrawingFormat, text: &str) -> String {
     drawing(format, text).unwrap_err().to_string()
 }
 
@@ -34,42 +34,42 @@ fn what_is_wrong_is_said_with_line_entity_layer_and_value() {
             "there are no lines in this DXF: 1 TEXT on layer \"A\", 1 HATCH on layer \"B\"",
         ),
     ] {
-        let said = refused(Format::Dxf, &dxf_of("", "", entities));
+        let said = refused(DrawingFormat::Dxf, &dxf_of("", "", entities));
         assert!(said.starts_with(expected), "{entities}: {said}");
     }
     for (format, text, expected) in [
-        (Format::Dxf, "AutoCAD Binary DXF\r\n", "is a binary DXF"),
-        (Format::Dxf, "AC1032\0\0", "is a DWG"),
+        (DrawingFormat::Dxf, "AutoCAD Binary DXF\r\n", "is a binary DXF"),
+        (DrawingFormat::Dxf, "AC1032\0\0", "is a DWG"),
         (
-            Format::GeoJson,
+            DrawingFormat::GeoJson,
             "{\"type\": \"Polygon\", \"coordinates\": [[[0, 0], [1, 0], [1, \"a\"], [0, 0]]]}",
             "coordinates[0][2] = [1,\"a\"]: must be numbers",
         ),
         (
-            Format::GeoJson,
+            DrawingFormat::GeoJson,
             "{\"type\": \"Polygon\", \"coordinates\": [[[0, 0], [1, 0], [1, 1]]]}",
             "coordinates[0]: the ring is not closed",
         ),
-        (Format::GeoJson, "{\"type\": \"Circle\"}", "coordinates: type = \"Circle\": must be one of"),
-        (Format::GeoJson, "{", "EOF while parsing an object at line 1 column 1"),
+        (DrawingFormat::GeoJson, "{\"type\": \"Circle\"}", "coordinates: type = \"Circle\": must be one of"),
+        (DrawingFormat::GeoJson, "{", "EOF while parsing an object at line 1 column 1"),
         (
-            Format::GeoJson,
+            DrawingFormat::GeoJson,
             "{\"crs\": {\"properties\": {\"name\": \"urn:ogc:def:crs:OGC:1.3:CRS84\"}}}",
             "crs: ",
         ),
-        (Format::Wkt, "POLYGON ((0 0, 1 0, 1 1))", "the ring that ends at 1 1 is not closed"),
-        (Format::Wkt, "CIRCLE (0 0)", "\"CIRCLE (0 0)\" is not a POLYGON or another geometry"),
+        (DrawingFormat::Wkt, "POLYGON ((0 0, 1 0, 1 1))", "the ring that ends at 1 1 is not closed"),
+        (DrawingFormat::Wkt, "CIRCLE (0 0)", "\"CIRCLE (0 0)\" is not a POLYGON or another geometry"),
         (
-            Format::Svg,
+            DrawingFormat::Svg,
             "<svg>\n<path d='M 0 0 L 1 x'/></svg>",
             "line 2: <path> d=\"M 0 0 L 1 x\": is not a path",
         ),
         (
-            Format::Svg,
+            DrawingFormat::Svg,
             "<svg><line x1='50%'/></svg>",
             "line 1: <line> x1=\"50%\": must be a number, or a length",
         ),
-        (Format::Svg, "<svg><text>a</text></svg>", "there are no lines in this SVG: 1 <text>"),
+        (DrawingFormat::Svg, "<svg><text>a</text></svg>", "there are no lines in this SVG: 1 <text>"),
     ] {
         let said = refused(format, text);
         assert!(said.starts_with(expected), "{text}: {said}");
@@ -78,44 +78,44 @@ fn what_is_wrong_is_said_with_line_entity_layer_and_value() {
 
 #[test]
 fn large_entities_that_are_repeated_are_refused() {
-    let check = |format: Format, text: &str| {
+    let check = |format: DrawingFormat, text: &str| {
         let error = refused(format, text);
         assert!(error.contains("have more than 100000000 parts"), "{error}");
     };
     // A text of 20 000 pairs in a block, 10 000 times.
     let block = format!("0 BLOCK 2 B 0 TEXT 8 A {} 0 ENDBLK", "1 x ".repeat(20_000));
-    check(Format::Dxf, &dxf_of("", &block, "0 INSERT 8 A 2 B 10 0 20 0 70 100 71 100"));
+    check(DrawingFormat::Dxf, &dxf_of("", &block, "0 INSERT 8 A 2 B 10 0 20 0 70 100 71 100"));
     let style = format!("<path id='p' style='{}' d='M0 0 H1'/>", " ".repeat(100_000));
     let uses = "<use href='#p'/>".repeat(1001);
-    check(Format::Svg, &format!("<svg viewBox='0 0 9 9'>{style}{uses}</svg>"));
+    check(DrawingFormat::Svg, &format!("<svg viewBox='0 0 9 9'>{style}{uses}</svg>"));
 }
 
 #[test]
 fn long_names_are_refused() {
-    let check = |format: Format, text: &str| {
+    let check = |format: DrawingFormat, text: &str| {
         let error = refused(format, text);
         assert!(error.contains("has more than 255 characters"), "{error}");
     };
     let (long, fits) = ("ä".repeat(256), "ä".repeat(255));
-    check(Format::Dxf, &dxf_of("", "", &format!("0 LINE 8 {long} 10 0 20 0 11 1 21 0")));
-    check(Format::Dxf, &dxf_of("", "", &format!("0 INSERT 8 A 2 {long} 10 0 20 0")));
+    check(DrawingFormat::Dxf, &dxf_of("", "", &format!("0 LINE 8 {long} 10 0 20 0 11 1 21 0")));
+    check(DrawingFormat::Dxf, &dxf_of("", "", &format!("0 INSERT 8 A 2 {long} 10 0 20 0")));
     assert_eq!(lines_of(&format!("0 LINE 8 {fits} 10 0 20 0 11 1 21 0"))[0].layer, fits);
     for key in ["layer", "name"] {
         let geometry = r#"{"type": "LineString", "coordinates": [[0, 0], [1, 0]]}"#;
         let text =
             format!(r#"{{"type": "Feature", "geometry": {geometry}, "properties": {{"{key}": "{long}"}}}}"#);
-        check(Format::GeoJson, &text);
+        check(DrawingFormat::GeoJson, &text);
     }
     for inner in
         [format!("<g id='{long}'><path d='M0 0 H1'/></g>"), format!("<path id='{long}' d='M0 0 H1'/>")]
     {
-        check(Format::Svg, &format!("<svg viewBox='0 0 9 9'>{inner}</svg>"));
+        check(DrawingFormat::Svg, &format!("<svg viewBox='0 0 9 9'>{inner}</svg>"));
     }
 }
 
 #[test]
 fn blocks_that_grow_without_end_are_refused() {
-    let read = |blocks: &str, entities: &str| refused(Format::Dxf, &dxf_of("", blocks, entities));
+    let read = |blocks: &str, entities: &str| refused(DrawingFormat::Dxf, &dxf_of("", blocks, entities));
     let itself = read("0 BLOCK 2 A 0 INSERT 8 0 2 A 10 0 20 0 0 ENDBLK", "0 INSERT 8 0 2 A 10 0 20 0");
     assert!(
         itself.contains("more than 16 blocks are within each other; does \"A\" contain itself?"),
@@ -135,7 +135,7 @@ fn blocks_that_grow_without_end_are_refused() {
     let uses: String = (1..60)
         .map(|k| format!("<g id='g{k}'><use href='#g{}'/><use href='#g{}'/></g>", k - 1, k - 1))
         .collect();
-    let svg = refused(Format::Svg, &format!("<svg>{uses}</svg>"));
+    let svg = refused(DrawingFormat::Svg, &format!("<svg>{uses}</svg>"));
     assert!(svg.contains("more than"), "{svg}");
 }
 
@@ -152,11 +152,11 @@ fn damaged_files_do_no_harm() {
         \"geometry\": {\"type\": \"MultiPolygon\", \"coordinates\": [[[[0, 0], [4, 0], [4, 3], [0, 0]]]]}}]}";
     let wkt = b"GEOMETRYCOLLECTION (POLYGON ((0 0, 4 0, 4 3, 0 0), (1 1, 2 1, 2 2, 1 1)), MULTIPOINT ((1 2), (3 4)), LINESTRING Z (0 0 1, 1 1 1))";
     let all = [
-        (Format::Dxf, example("hall.dxf")),
-        (Format::Dxf, example("office.dxf")),
-        (Format::Svg, example("platform.svg")),
-        (Format::GeoJson, geojson.to_vec()),
-        (Format::Wkt, wkt.to_vec()),
+        (DrawingFormat::Dxf, example("hall.dxf")),
+        (DrawingFormat::Dxf, example("office.dxf")),
+        (DrawingFormat::Svg, example("platform.svg")),
+        (DrawingFormat::GeoJson, geojson.to_vec()),
+        (DrawingFormat::Wkt, wkt.to_vec()),
     ];
     let mut state = 7;
     let words = [
@@ -202,7 +202,7 @@ fn damaged_files_do_no_harm() {
             if let Ok(drawing) = Drawing::read(format, &damaged, &METRES) {
                 read += 1;
                 let settings = PlanSettings { close: Some(0.05), to_origin: true, ..PlanSettings::default() };
-                if let Ok(plan) = Plan::of(drawing, &settings) {
+                if let Ok(plan) = FloorPlan::of(drawing, &settings) {
                     let _ = (plan.area(), plan.doors(), plan.way());
                     let _ = written_formats().map(|format| write_plan(&plan, format));
                 }

@@ -5,41 +5,41 @@ use super::*;
 #[test]
 fn layers_say_what_lines_are() {
     for (layer, expected) in [
-        ("walkablearea-0", Some((Role::WalkableArea, "0"))),
-        ("WalkableArea", Some((Role::WalkableArea, ""))),
-        ("walkable_area_hall", Some((Role::WalkableArea, "hall"))),
-        ("JuPedSim_walkable_area", Some((Role::WalkableArea, ""))),
-        ("jps-walkablearea-0", Some((Role::WalkableArea, "0"))),
-        ("JPS-Obstacles", Some((Role::Obstacle, ""))),
-        ("jps-exits-north", Some((Role::Exit, "north"))),
-        ("jps-distributions_2", Some((Role::Distribution, "2"))),
-        ("jps_waypoints3", Some((Role::Waypoint, "3"))),
-        ("jps-journeys-0", Some((Role::Unused, "0"))),
-        ("journeys", Some((Role::Unused, ""))),
-        ("jps-parameters", Some((Role::Unused, "parameters"))),
-        ("plan$0$walkablearea-0", Some((Role::WalkableArea, "0"))),
-        ("plan$12$jps-exits-a", Some((Role::Exit, "a"))),
-        ("A$0$B$0$obstacles", Some((Role::Obstacle, ""))),
-        ("plan|exits-0", Some((Role::Exit, "0"))),
+        ("walkablearea-0", Some((LayerRole::WalkableArea, "0"))),
+        ("WalkableArea", Some((LayerRole::WalkableArea, ""))),
+        ("walkable_area_hall", Some((LayerRole::WalkableArea, "hall"))),
+        ("JuPedSim_walkable_area", Some((LayerRole::WalkableArea, ""))),
+        ("jps-walkablearea-0", Some((LayerRole::WalkableArea, "0"))),
+        ("JPS-Obstacles", Some((LayerRole::Obstacle, ""))),
+        ("jps-exits-north", Some((LayerRole::Exit, "north"))),
+        ("jps-distributions_2", Some((LayerRole::Distribution, "2"))),
+        ("jps_waypoints3", Some((LayerRole::Waypoint, "3"))),
+        ("jps-journeys-0", Some((LayerRole::Unused, "0"))),
+        ("journeys", Some((LayerRole::Unused, ""))),
+        ("jps-parameters", Some((LayerRole::Unused, "parameters"))),
+        ("plan$0$walkablearea-0", Some((LayerRole::WalkableArea, "0"))),
+        ("plan$12$jps-exits-a", Some((LayerRole::Exit, "a"))),
+        ("A$0$B$0$obstacles", Some((LayerRole::Obstacle, ""))),
+        ("plan|exits-0", Some((LayerRole::Exit, "0"))),
         ("plan|A-WALL", None),
-        ("Level 1::obstacles-b", Some((Role::Obstacle, "b"))),
-        ("0 - distributions-0", Some((Role::Distribution, "0"))),
+        ("Level 1::obstacles-b", Some((LayerRole::Obstacle, "b"))),
+        ("0 - distributions-0", Some((LayerRole::Distribution, "0"))),
         ("wall beside ramp - exit 2", None),
         ("Level 1 - exits-0", None),
-        ("walkablearea - 0|1", Some((Role::WalkableArea, "0|1"))),
+        ("walkablearea - 0|1", Some((LayerRole::WalkableArea, "0|1"))),
         ("plan$0$exit-signs", None),
         ("jupedsim", None),
-        ("OBSTACLES-Columns", Some((Role::Obstacle, "Columns"))),
-        ("obstacle", Some((Role::Obstacle, ""))),
-        ("exit 2", Some((Role::Exit, "2"))),
-        ("exits-", Some((Role::Exit, ""))),
+        ("OBSTACLES-Columns", Some((LayerRole::Obstacle, "Columns"))),
+        ("obstacle", Some((LayerRole::Obstacle, ""))),
+        ("exit 2", Some((LayerRole::Exit, "2"))),
+        ("exits-", Some((LayerRole::Exit, ""))),
         ("exit-signs", None),
         ("exitsigns", None),
-        ("waypoints3", Some((Role::Waypoint, "3"))),
+        ("waypoints3", Some((LayerRole::Waypoint, "3"))),
         ("A-WALL", None),
         ("", None),
     ] {
-        assert_eq!(Role::of(layer), expected.map(|(role, name)| (role, name.to_owned())), "{layer}");
+        assert_eq!(LayerRole::of(layer), expected.map(|(role, name)| (role, name.to_owned())), "{layer}");
     }
 }
 
@@ -76,7 +76,7 @@ fn free_text_of_geojson_is_no_exit() {
         let line = r#""geometry": {"type": "LineString", "coordinates": [[1, 1], [2, 1]]}"#;
         let wall = format!(r#"{{"type": "Feature", "properties": {properties}, {line}}}"#);
         let found = plan(
-            Format::GeoJson,
+            DrawingFormat::GeoJson,
             &collection(&[feature("A", &[vec2(0.0, 0.0), vec2(9.0, 0.0), vec2(9.0, 5.0)]), wall]),
         );
         (found.walls.len(), found.exits.len())
@@ -99,7 +99,7 @@ fn free_text_of_geojson_is_no_exit() {
     }
     // Nor is the id of a shape.
     let text = "<svg viewBox='0 0 9 9'><path d='M0,0 h9 v9 z'/><path id='ramp/exit 2' d='M1,1 h1'/></svg>";
-    assert!(plan(Format::Svg, text).exits.is_empty());
+    assert!(plan(DrawingFormat::Svg, text).exits.is_empty());
 }
 
 #[test]
@@ -111,7 +111,10 @@ fn walls_on_layers_that_are_not_there_are_refused() {
     );
     let of = |walls: &[&str]| {
         let walls = walls.iter().map(|wall| (*wall).to_owned()).collect();
-        Plan::of(drawing(Format::Dxf, &text).unwrap(), &PlanSettings { walls, ..PlanSettings::default() })
+        FloorPlan::of(
+            drawing(DrawingFormat::Dxf, &text).unwrap(),
+            &PlanSettings { walls, ..PlanSettings::default() },
+        )
     };
     let said = of(&["A-WALL", "A-WAL"]).unwrap_err().to_string();
     let expected =
@@ -136,13 +139,13 @@ fn names_of_layers_may_have_commas() {
     let of = |walls: &[&str]| {
         let walls: Vec<String> = walls.iter().map(|wall| (*wall).to_owned()).collect();
         let settings = PlanSettings { walls, ..PlanSettings::default() };
-        let read = Read::of(Format::GeoJson, text.as_bytes(), &METRES, &settings);
+        let read = Read::of(DrawingFormat::GeoJson, text.as_bytes(), &METRES, &settings);
         read.map(|read| read.plan.walls.len()).map_err(|error| error.to_string())
     };
     assert_eq!((of(&["Wände, EG"]), of(&["wände, eg", "A,B"]), of(&["A,B"])), (Ok(1), Ok(3), Ok(2)));
     assert!(of(&["Wände, OG"]).unwrap_err().contains("no layer \"Wände\""));
     // A proposal is repeated as it is.
-    let drawing = drawing(Format::GeoJson, &text).unwrap();
+    let drawing = drawing(DrawingFormat::GeoJson, &text).unwrap();
     let given = Enclosing { obstacles: vec!["Kern, 1".to_owned()], ..Enclosing::default() };
     let walls = ["Wände, EG".to_owned(), "A,B".to_owned()];
     let found = Proposal::of(&drawing, &walls, None, Some(&given)).unwrap().unwrap();

@@ -41,7 +41,7 @@ const NAMES: [[&str; 9]; 6] = [
 ];
 
 /// A plan in the making: lengths in m, in a frame of its own.
-pub(super) struct Made {
+pub(super) struct PlanBuilder {
     pub random: Random,
     pub layers: [&'static str; 9],
     /// Length of a unit \[m\], and its number in `$INSUNITS`.
@@ -52,7 +52,7 @@ pub(super) struct Made {
     pub entities: String,
 }
 
-impl Made {
+impl PlanBuilder {
     pub fn place(&self, at: Vec2) -> Vec2 {
         let (sin, cos) = self.turned.sin_cos();
         vec2(at.x * cos - at.y * sin, at.x * sin + at.y * cos) + self.moved
@@ -128,7 +128,7 @@ impl Made {
 type Cut = (f64, f64, bool);
 
 /// What is known by hand.
-pub(super) struct Known {
+pub(super) struct ExpectedPlan {
     pub dxf: String,
     /// \[m²\] Within walls, and what obstacles take of it.
     pub area: f64,
@@ -143,7 +143,7 @@ pub(super) struct Known {
 }
 
 /// A hall, perhaps with a second room, and what architects draw in it.
-pub(super) fn made(seed: u64) -> Known {
+pub(super) fn made(seed: u64) -> ExpectedPlan {
     let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
     random.part();
     let units = [(0.001, 4), (0.01, 5), (1.0, 6)];
@@ -151,12 +151,12 @@ pub(super) fn made(seed: u64) -> Known {
     let turned = if random.yes() { 0.0 } else { random.within(-3.0, 3.0) };
     let moved = vec2(random.within(-500.0, 500.0), random.within(-500.0, 500.0));
     let mut plan =
-        Made { random, layers, unit, turned, moved, blocks: String::new(), entities: String::new() };
+        PlanBuilder { random, layers, unit, turned, moved, blocks: String::new(), entities: String::new() };
     let (width, height) = (plan.random.length(20.0, 32.0), plan.random.length(10.0, 18.0));
     let t = plan.random.length(0.05, 0.40);
     let small_gap = plan.random.of(4) == 0;
     let capped = plan.random.of(4) > 0;
-    let mut known = Known {
+    let mut known = ExpectedPlan {
         dxf: String::new(),
         area: width * height,
         obstacles: 0.0,

@@ -6,7 +6,7 @@ use super::*;
 fn the_middle_of_an_area_is_inside() {
     let middle = |corners: &[(f64, f64)]| {
         let corners = corners.iter().map(|(x, y)| vec2(*x, *y)).collect();
-        Place { name: String::new(), corners }.middle()
+        NamedPlace { name: String::new(), corners }.middle()
     };
     assert_eq!(middle(&[(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (0.0, 2.0)]), (vec2(2.0, 1.0), Some(1.0)));
     // Two L, the middle outside, or on a corner.

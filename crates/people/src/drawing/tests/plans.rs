@@ -1,13 +1,13 @@
 //! Plans as architects draw them, against areas and doors that are known by hand.
 
-use super::made::{Made, Random, made};
+use super::made::{PlanBuilder, Random, made};
 use super::*;
 use crate::Door;
 use lemons_core::plane::vec2;
 use std::fmt::Write;
 
 fn drawing(dxf: &str) -> Drawing {
-    Drawing::read(Format::Dxf, dxf.as_bytes(), &Reading::default()).unwrap()
+    Drawing::read(DrawingFormat::Dxf, dxf.as_bytes(), &Reading::default()).unwrap()
 }
 
 fn proposal(dxf: &str) -> Proposal {
@@ -50,19 +50,20 @@ fn plans_of_architects_have_the_areas_and_doors_that_are_known() {
             enclosing: Some(found.enclosing.clone()),
             ..PlanSettings::default()
         };
-        let mut plan = Plan::of(drawing(&known.dxf), &settings).unwrap();
+        let mut plan = FloorPlan::of(drawing(&known.dxf), &settings).unwrap();
         assert!((plan.area().unwrap() - found.areas[1]).abs() < 1e-6, "{}", say());
         doors.iter().for_each(|door| plan.add_door(door).unwrap());
         assert_eq!(plan.doors().len(), doors.len(), "{}", say());
         // Without them, nobody guesses.
-        let read = Read::of(Format::Dxf, known.dxf.as_bytes(), &Reading::default(), &PlanSettings::default());
+        let read =
+            Read::of(DrawingFormat::Dxf, known.dxf.as_bytes(), &Reading::default(), &PlanSettings::default());
         assert!(read.unwrap().doubt.is_some(), "{}", say());
     }
 }
 
 /// A DXF in m of closed and open lines on layers, and swings that hang at a place and are shut at another.
 fn drawn(lines: &[(&str, &[[f64; 2]], bool)], swings: &[([f64; 2], [f64; 2])]) -> String {
-    let mut plan = Made {
+    let mut plan = PlanBuilder {
         random: Random(1),
         layers: ["", "Doors", "", "", "", "", "", "", ""],
         unit: (1.0, 6),
@@ -134,7 +135,7 @@ fn a_frame_around_a_room_is_asked_for() {
     assert!(!asks(&[("Walls", &frame, true), ("Walls", &[[0.0, 0.0], [9.0, 0.0]], false)]));
     // Without a proposal, too; and a frame by its name, whatever meets it.
     let doubt = |lines: &[(&str, &[[f64; 2]], bool)], settings: &PlanSettings| {
-        let read = Read::of(Format::Dxf, drawn(lines, &[]).as_bytes(), &METRES, settings);
+        let read = Read::of(DrawingFormat::Dxf, drawn(lines, &[]).as_bytes(), &METRES, settings);
         read.unwrap().doubt.unwrap_or_default()
     };
     let meets: (&str, &[[f64; 2]], bool) = ("Walls", &[[-20.0, 0.0], [-9.0, 0.0]], false);
@@ -183,7 +184,7 @@ fn thick_walls_are_named_and_round_ones_have_doors() {
     let found = proposal(&thick);
     assert!(found.questions.iter().any(|question| question.contains(words)), "{:?}", found.questions);
     let settings = PlanSettings { enclosing: Some(found.enclosing), ..PlanSettings::default() };
-    let refused = Plan::of(drawing(&thick), &settings).unwrap_err().to_string();
+    let refused = FloorPlan::of(drawing(&thick), &settings).unwrap_err().to_string();
     assert!(refused.contains(words), "{refused}");
 
     let half = (0.6f64 / 3.0).asin();
@@ -234,12 +235,12 @@ fn what_is_not_clear_is_asked_for() {
         enclosing: Some(Enclosing { obstacles: found.enclosing.obstacles.clone(), widest }),
         ..PlanSettings::default()
     };
-    let refused = Plan::of(drawing(&dxf), &settings(3.0)).unwrap_err().to_string();
+    let refused = FloorPlan::of(drawing(&dxf), &settings(3.0)).unwrap_err().to_string();
     assert!(refused.contains("the walls enclose nothing: gaps of more than 3 m are not closed"), "{refused}");
-    let plan = Plan::of(drawing(&dxf), &settings(4.0)).unwrap();
+    let plan = FloorPlan::of(drawing(&dxf), &settings(4.0)).unwrap();
     assert!((plan.area().unwrap() - 78.0).abs() < 1e-9);
     let missing = PlanSettings { walls: vec!["Wall".into()], ..settings(4.0) };
-    let refused = Plan::of(drawing(&dxf), &missing).unwrap_err().to_string();
+    let refused = FloorPlan::of(drawing(&dxf), &missing).unwrap_err().to_string();
     assert!(
         refused.contains(
             "there is no layer \"Wall\" for walls in this drawing; there are \"Furniture\", \"Q7\", \"Walls\""
@@ -254,7 +255,7 @@ fn an_outline_of_single_lines_with_a_gap_is_not_the_table_in_it() {
     let table = rect(3.0, 3.0, 5.0, 4.0);
     let lines: [(&str, &[[f64; 2]], bool); 2] = [("0", &walls, false), ("0", &table, true)];
     let dxf = drawn(&lines, &[]);
-    let read = Read::of(Format::Dxf, dxf.as_bytes(), &METRES, &PlanSettings::default()).unwrap();
+    let read = Read::of(DrawingFormat::Dxf, dxf.as_bytes(), &METRES, &PlanSettings::default()).unwrap();
     assert!(
         read.doubt
             .is_some_and(|doubt| doubt.contains("lies around 2.0 m², all walls together around 80.0 m²"))
@@ -267,7 +268,8 @@ fn an_outline_of_single_lines_with_a_gap_is_not_the_table_in_it() {
     let closed: [(&str, &[[f64; 2]], bool); 2] =
         [("0", &rect(0.0, 0.0, 10.0, 8.0), true), ("0", &table, true)];
     let read =
-        Read::of(Format::Dxf, drawn(&closed, &[]).as_bytes(), &METRES, &PlanSettings::default()).unwrap();
+        Read::of(DrawingFormat::Dxf, drawn(&closed, &[]).as_bytes(), &METRES, &PlanSettings::default())
+            .unwrap();
     assert_eq!(read.doubt, None);
     // A partition of one line, with a gap in it, stays, and one that ends in the room.
     let mut lines: Vec<(&str, &[[f64; 2]], bool)> = vec![("0", &walls, false)];
@@ -279,7 +281,7 @@ fn an_outline_of_single_lines_with_a_gap_is_not_the_table_in_it() {
     let open: f64 = found.open.iter().map(|[a, b]| (b - a).norm()).sum();
     assert!((open - 9.0).abs() < 1e-9, "{:?}", found.open);
     let settings = PlanSettings { enclosing: Some(found.enclosing.clone()), ..PlanSettings::default() };
-    assert_eq!(Plan::of(drawing(&dxf), &settings).unwrap().walls.len(), 4);
+    assert_eq!(FloorPlan::of(drawing(&dxf), &settings).unwrap().walls.len(), 4);
     // Column by column along the middle, no gap is a passage.
     let columns: Vec<[[f64; 2]; 4]> =
         (0..4).map(|k| 1.0 + 2.4 * f64::from(k)).map(|x| rect(x, 5.0, x + 0.4, 5.4)).collect();

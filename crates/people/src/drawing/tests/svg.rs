@@ -16,7 +16,7 @@ fn holes_of_paths_are_holes() {
         let room = if role == "obstacles" { "<rect id='walkablearea' width='30' height='30'/>" } else { "" };
         let text =
             format!("<svg viewBox='0 0 30 30'>{room}<g {how}><path id='{role}' d='{path}'/></g></svg>");
-        plan(Format::Svg, &text).area().unwrap()
+        plan(DrawingFormat::Svg, &text).area().unwrap()
     };
     let [outer, same, other] = [square(0, 20, false), square(5, 10, false), square(5, 10, true)];
     let [inner, crossing] = [square(6, 8, false), square(8, 15, true)];
@@ -48,14 +48,14 @@ fn holes_of_paths_are_holes() {
 #[test]
 fn style_sheets_of_holes_and_names_in_other_letters_are_said_and_found() {
     let text = "<svg viewBox='0 0 9 9'><style>.a{fill-rule:evenodd}</style><path class='a' d='M0,0 h9 v9 h-9 z'/></svg>";
-    let read = plan(Format::Svg, text);
+    let read = plan(DrawingFormat::Svg, text);
     assert!(
         read.left_out.keys().any(|(_, kind)| kind.starts_with("<style> with fill-rule")),
         "{:?}",
         read.left_out
     );
     let wall = "<svg viewBox='0 0 9 9'><g id='A-WALL'><path d='M0,0 h9 v9 h-9 z'/></g></svg>";
-    let drawing = drawing(Format::Svg, wall).unwrap();
+    let drawing = drawing(DrawingFormat::Svg, wall).unwrap();
     assert_eq!(drawing.layers(&["a-wall,other".to_owned()]), ["A-WALL", "other"]);
 }
 
@@ -76,7 +76,7 @@ fn fill_and_its_rule_are_inherited_apart() {
     ] {
         let text =
             format!("<svg viewBox='0 0 30 30'><g {group}><path id='walkablearea' {own} {path}/></g></svg>");
-        let area = plan(Format::Svg, &text).area().unwrap();
+        let area = plan(DrawingFormat::Svg, &text).area().unwrap();
         assert!((area - expected).abs() < 1e-6, "{group} {own}: {area}");
     }
 }
@@ -85,7 +85,7 @@ fn fill_and_its_rule_are_inherited_apart() {
 #[test]
 fn exits_are_not_closed_by_filling() {
     let text = "<svg viewBox='0 0 30 30'><rect id='walkablearea' width='30' height='30'/><path id='exits-a' d='M30,2 v1 v1'/></svg>";
-    assert_eq!(plan(Format::Svg, text).exits[0].corners, [vec2(30.0, 28.0), vec2(30.0, 26.0)]);
+    assert_eq!(plan(DrawingFormat::Svg, text).exits[0].corners, [vec2(30.0, 28.0), vec2(30.0, 26.0)]);
 }
 
 /// Rings in each other, every second one a hole; of all paths together only so many corners are looked at.
@@ -99,12 +99,12 @@ fn corners_of_paths_of_several_parts_are_counted_together() {
         let text = format!(
             "<svg viewBox='0 0 2000 2000'><rect id='walkablearea' width='2000' height='2000'/>{paths}</svg>"
         );
-        drawing(Format::Svg, &text)
+        drawing(DrawingFormat::Svg, &text)
     };
     let lines = of(&[nested(1, 900)]).unwrap().lines;
     assert_eq!((lines.len(), lines.iter().filter(|line| line.hole).count()), (901, 450));
     // Each hole follows the rim around it.
-    let size = |line: &Line| area(line).abs().sqrt().round() as i64;
+    let size = |line: &DrawnLine| area(line).abs().sqrt().round() as i64;
     assert!(lines[1..].chunks(2).all(|pair| pair[1].hole && size(&pair[0]) - size(&pair[1]) == 2));
     // 2500 squares have 10 000 corners; paths of one part are not counted.
     let mut paths: Vec<String> = (0..5).map(|k| nested(100 * k, 500)).collect();
@@ -174,13 +174,13 @@ fn symbols_and_inner_pictures_have_coordinates_of_their_own() {
             "<svg viewBox='0 0 800 600'><defs><{kind} id='s' {own}><rect width='10' height='10'/></{kind}></defs>\
              <use href='#s' {by}/></svg>"
         );
-        let line = drawing(Format::Svg, &text).unwrap().lines.remove(0);
+        let line = drawing(DrawingFormat::Svg, &text).unwrap().lines.remove(0);
         let bounds = Bounds::of(line.corners.iter().copied()).unwrap();
         // y is upwards.
         let expected = Bounds { low: vec2(low[0], 600.0 - high[1]), high: vec2(high[0], 600.0 - low[1]) };
         assert!(near(bounds.low, expected.low) && near(bounds.high, expected.high), "{own} {by}: {bounds:?}");
     }
     let text = "<svg viewBox='0 0 80 60'><svg x='10' y='10' width='20' height='20' viewBox='0 0 5 5'><rect width='5' height='5'/></svg></svg>";
-    let line = drawing(Format::Svg, text).unwrap().lines.remove(0);
+    let line = drawing(DrawingFormat::Svg, text).unwrap().lines.remove(0);
     assert!(line.corners.iter().any(|at| near(*at, vec2(30.0, 30.0))), "{line:?}");
 }

@@ -18,12 +18,12 @@ fn sides(walls: &[Vec<Vec2>]) -> Vec<[i64; 4]> {
 
 #[test]
 fn what_is_written_is_read_back() {
-    let hall = plan_of("hall.dxf", Format::Dxf, Reading::default(), None);
+    let hall = plan_of("hall.dxf", DrawingFormat::Dxf, Reading::default(), None);
     for format in written_formats() {
         let text = write_plan(&hall, format).unwrap();
         let again = plan(format, &text);
         assert_eq!(sides(&again.walls), sides(&hall.walls), "{format:?}");
-        if format != Format::Wkt {
+        if format != DrawingFormat::Wkt {
             assert_eq!(
                 (&again.exits, &again.distributions),
                 (&hall.exits, &hall.distributions),
@@ -31,18 +31,19 @@ fn what_is_written_is_read_back() {
             );
         }
     }
-    assert_eq!(write_plan(&hall, Format::Svg), None);
+    assert_eq!(write_plan(&hall, DrawingFormat::Svg), None);
     // Names are of other programs, too.
     let mut named = hall.clone();
     named.exits[0].name = "Süd\n  0\nEOF".into();
-    let text = write_plan(&named, Format::Dxf).unwrap();
-    assert_eq!(plan(Format::Dxf, &text).exits[0].name, "Süd_  0_EOF");
+    let text = write_plan(&named, DrawingFormat::Dxf).unwrap();
+    assert_eq!(plan(DrawingFormat::Dxf, &text).exits[0].name, "Süd_  0_EOF");
 }
 
 fn well_known(walls: &[Vec<Vec2>]) -> String {
     let wall = |(id, wall): (usize, &Vec<Vec2>)| Wall::new(id.to_string(), "wood", wall.clone());
     let walls = walls.iter().enumerate().map(wall).collect();
-    write_plan(&Plan::of_geometry(&Geometry { dimensions: None, walls }, Vec::new()), Format::Wkt).unwrap()
+    write_plan(&FloorPlan::of_geometry(&Geometry { dimensions: None, walls }, Vec::new()), DrawingFormat::Wkt)
+        .unwrap()
 }
 
 /// Walls of closed rooms that meet are there as often as before, and so is the ground of the largest.
@@ -74,7 +75,7 @@ fn rooms_that_meet_are_read_back_from_well_known_text() {
         let text = well_known(&walls);
         let kinds = ["POLYGON", "LINESTRING"].map(|kind| text.matches(kind).count());
         assert_eq!(kinds, written, "{rectangles:?}: {text}");
-        let again = plan(Format::Wkt, &text);
+        let again = plan(DrawingFormat::Wkt, &text);
         assert_eq!(sides(&again.walls), sides(&walls), "{rectangles:?}: {text}");
         let found = again.area();
         assert!(
@@ -114,7 +115,7 @@ fn ground_that_is_written_is_read_back() {
         let room = plan_of_dxf(&(entities + line));
         let area = room.area().unwrap();
         assert!((area - expected).abs() < 1e-4, "{areas:?}: {area}");
-        for format in [Format::GeoJson, Format::Dxf] {
+        for format in [DrawingFormat::GeoJson, DrawingFormat::Dxf] {
             let text = write_plan(&room, format).unwrap();
             let again = plan(format, &text);
             assert!((again.area().unwrap() - area).abs() < 1e-6, "{areas:?}: {text}: {:?}", again.area());
@@ -126,8 +127,8 @@ fn ground_that_is_written_is_read_back() {
 /// The crates wkt and geojson read the same.
 #[test]
 fn other_readers_agree() {
-    let hall = plan_of("hall.dxf", Format::Dxf, Reading::default(), None);
-    let text = write_plan(&hall, Format::GeoJson).unwrap();
+    let hall = plan_of("hall.dxf", DrawingFormat::Dxf, Reading::default(), None);
+    let text = write_plan(&hall, DrawingFormat::GeoJson).unwrap();
     let ::geojson::GeoJson::FeatureCollection(all) = text.parse().unwrap() else { panic!("no collection") };
     let is_wall = |feature: &&::geojson::Feature| {
         ["walkablearea", "obstacles"].iter().any(|layer| feature.property("layer").unwrap() == layer)
@@ -142,7 +143,7 @@ fn other_readers_agree() {
         })
         .collect();
     assert_eq!(corners, hall.walls.iter().map(Vec::len).collect::<Vec<_>>());
-    let text = write_plan(&hall, Format::Wkt).unwrap();
+    let text = write_plan(&hall, DrawingFormat::Wkt).unwrap();
     // The outline is the first wall, the others are in it.
     let ::wkt::Wkt::Polygon(polygon) = text.trim().parse::<::wkt::Wkt<f64>>().unwrap() else {
         panic!("no polygon")

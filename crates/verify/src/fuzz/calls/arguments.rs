@@ -2,7 +2,7 @@
 
 use crate::fuzz::models::{Fmu, OUTPUTS};
 use arbitrary::{Arbitrary, Unstructured};
-use lemons_fmi::testing::functions::Source;
+use lemons_fmi::testing::functions::ArgumentSource;
 use std::any::TypeId;
 use std::ffi::{CString, c_char, c_void};
 use std::ptr::{null, null_mut};
@@ -175,7 +175,7 @@ impl Drawn<'_, '_> {
     }
 }
 
-impl Source for Drawn<'_, '_> {
+impl ArgumentSource for Drawn<'_, '_> {
     fn number(&mut self, of: TypeId) -> u64 {
         if of == TypeId::of::<f64>() {
             return self.real();
