@@ -92,7 +92,7 @@ const FORCES: &[CrowdQuantity] = &[
     CrowdQuantity::ShearModulus,
     CrowdQuantity::GammaNormal,
 ];
-/// What names of arrays of walls begin with; in FMI 2.0 it is before the name.
+/// Beginning of the names of arrays of walls; in FMI 2.0 it is before the name.
 const WALL: &str = "Wall";
 
 /// The table. Where an array of agents has the name that FMI 2.0 gives a number of the whole crowd,

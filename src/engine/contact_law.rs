@@ -70,7 +70,7 @@ impl Relaxation {
     }
 }
 
-/// What a contact keeps from one instant to the next.
+/// State that a contact keeps from one instant to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpringHistory {
     /// \[m\] elongation of the tangential spring.
@@ -83,10 +83,10 @@ pub struct SpringHistory {
 }
 
 impl SpringHistory {
-    /// That of a contact that begins.
+    /// History of a contact that begins.
     pub const NONE: SpringHistory = SpringHistory { elongation: 0.0, rate: 0.0, normal: 0.0 };
 
-    /// That of a contact with these forces, at a tangential speed \[m/s\].
+    /// Returns that of a contact with these forces, at a tangential speed \[m/s\].
     #[inline]
     pub fn after(law: &PairLaw, reaction: &Reaction, slip_speed: f64) -> SpringHistory {
         let Reaction { normal, tangential, elongation, regime } = *reaction;

@@ -106,7 +106,7 @@ pub(super) struct OutgoingLoad {
     pub load: Load,
 }
 
-/// What a contact that began or ended within a step does to a body besides its loads, see [`super::contact_events`].
+/// Impulse on a body, besides its loads, of a contact that began or ended within a step, see [`super::contact_events`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Impulse {
     pub body: BodyId,
@@ -411,7 +411,7 @@ pub(super) fn contact_force(
     geometry.with(reaction)
 }
 
-/// What the pair keeps of a contact of the evaluation `now`.
+/// Returns what the pair keeps of a contact of the evaluation `now`.
 #[inline(always)]
 fn kept(law: &PairLaw, force: &ContactForce, now: u32) -> Spring {
     let history = SpringHistory::after(law, &force.reaction, force.slip_speed);

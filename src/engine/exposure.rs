@@ -1,10 +1,10 @@
-//! What the contacts did to a body, and to a face of a wall, during a communication step.
+//! Effects of the contacts on a body, and on a face of a wall, during a communication step.
 
 use super::BodyContacts;
 use super::contacts::{Impulse, Load, greater};
 use serde::{Deserialize, Serialize};
 
-/// What the contacts did to a body during the last communication step. All of its mechanical steps count, whereas
+/// Effects of the contacts on a body during the last communication step. All of its mechanical steps count, whereas
 /// [`super::BodyContacts`] is a sample at its end.
 ///
 /// Before the first step it is what the contacts do at the start.
@@ -84,7 +84,7 @@ impl ExposureSum {
     }
 }
 
-/// What the bodies did to a face of a wall during the last communication step; before the first step, at the start.
+/// Effects of the bodies on a face of a wall during the last communication step; before the first step, at the start.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct FaceExposure {
     /// \[N\] time average of the sum of |F_n| over its contacts, with those of [`Exposure::mean_wall_force`].

@@ -85,7 +85,7 @@ impl BodyFlight {
     }
 }
 
-/// What another relaxation rate across the gaze adds to a flight: that of wheels. It is the flight across the gaze minus
+/// Addition to a flight by another relaxation rate across the gaze: that of wheels. It is the flight across the gaze minus
 /// the flight along it.
 ///
 /// The whole is exact for a body that does not turn. If it turns, the gaze is that in the middle of the turn: the error

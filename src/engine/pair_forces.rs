@@ -1,4 +1,4 @@
-//! Who presses whom: the contacts of two, taken together.
+//! Forces of pairs of people: the contacts of two, taken together.
 
 use super::{Pair, Pose, Vec2, World, rotation};
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! What the contacts are at an instant, for those who ask.
+//! Contacts at an instant, for those who ask.
 
 use super::contact_geometry::{ContactForce, Instant};
 use super::contacts::{SpringUpdate, contact_force};

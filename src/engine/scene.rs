@@ -1,4 +1,4 @@
-//! What is constant in time: bodies, disks, walls and the contact laws between materials.
+//! Constants in time: bodies, disks, walls and the contact laws between materials.
 
 use super::circle::Circle;
 use super::face::{Along, Continuation, Face, nearest_on_face};

@@ -268,12 +268,12 @@ impl World {
         }
     }
 
-    /// What the contacts did to each body during the last communication step.
+    /// Returns what the contacts did to each body during the last communication step.
     pub fn exposures(&self) -> &[Exposure] {
         &self.exposures
     }
 
-    /// What the bodies did to each face of a wall during the last communication step. A corner belongs to the face that
+    /// Returns what bodies did to each face of a wall in the last communication step. A corner belongs to the face that
     /// has the contact in [`World::contacts`].
     pub fn face_exposures(&self) -> &[FaceExposure] {
         &self.face_exposures

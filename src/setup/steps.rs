@@ -1,4 +1,4 @@
-//! What a mechanical step does in a scene: up to which step its contacts are stable, and which step has which accuracy.
+//! Mechanical steps of a scene: up to which step its contacts are stable, and which step has which accuracy.
 //!
 //! A contact acts like a spring on an effective mass m\*: 1/m\* = Σ (1/m + R²/I) over the bodies in contact (walls do not
 //! move), where R is the distance from the centre of mass to the rim. Its pace Ω is the root of k/m\* + (γ/m\*)², with the

@@ -1,4 +1,4 @@
-//! What users type: examples for the help of each command.
+//! Examples for the help of each command.
 
 /// The examples of all commands, with an empty line between commands. A test asks clap whether it accepts them.
 pub const EXAMPLES: &str = include_str!("help/examples.txt");

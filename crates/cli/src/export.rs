@@ -75,7 +75,7 @@ enum Format {
     Trial,
 }
 
-/// What a run is written as.
+/// Format in which a run is written.
 #[derive(Clone, Copy, PartialEq)]
 enum Runs {
     Jupedsim,
@@ -85,7 +85,7 @@ enum Runs {
     Trial,
 }
 
-/// What is written: a room, or a run.
+/// Content of the file: a room, or a run.
 enum What {
     Room(drawing::DrawingFormat),
     Run(Runs),

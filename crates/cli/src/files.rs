@@ -315,7 +315,7 @@ impl Files {
         Ok(place)
     }
 
-    /// What was in the place of a file when it was claimed.
+    /// Returns the stamp of what was in the place of a file when it was claimed.
     fn before(&self, path: &Path) -> Option<Option<FileStamp>> {
         self.targets.iter().find(|target| target.path == path).map(|target| target.before)
     }

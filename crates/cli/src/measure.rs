@@ -104,7 +104,7 @@ pub fn measure(mut arguments: Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What was measured.
+/// The measures of a run.
 pub struct MeasuredRun {
     summary: RunSummary,
     /// The same as JSON.

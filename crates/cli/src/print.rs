@@ -1,4 +1,4 @@
-//! What the command says: the one place that prints. A closed pipe or a full disk is an error, never a panic.
+//! The one place that prints. A closed pipe or a full disk is an error, never a panic.
 
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};

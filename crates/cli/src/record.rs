@@ -16,7 +16,7 @@ pub struct InMemory {
     pub run: Run,
     /// Shapes and walls.
     pub trial: Trial,
-    /// What its people want.
+    /// Plan of its people.
     pub plan: Option<Plan>,
 }
 

@@ -92,7 +92,7 @@ pub fn until(text: &str) -> Result<Until, String> {
     }
 }
 
-/// What drives a run that is made now: by whom people are pushed, where they walk.
+/// Inputs of a run that is made now: who is pushed, and where people walk.
 #[derive(clap::Args)]
 pub struct Inputs {
     /// Communication step, in seconds. Default: the Trial's TimeStep; for several FMUs, the smallest

@@ -1,4 +1,4 @@
-//! What all other crates share.
+//! Foundations of all other crates.
 //!
 //! - [`plane`]: geometry of the plane
 //! - [`xml`]: XML, parsed safely and written

@@ -1,4 +1,4 @@
-//! Who and which walls are near somebody.
+//! People and walls near somebody.
 
 use lemons_core::plane::{Bounds, Vec2, nearest_on_segment, segments_cross, vec2};
 use std::ops::Range;

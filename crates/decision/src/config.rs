@@ -68,11 +68,11 @@ pub struct DecisionConfig {
     pub push: Option<f64>,
     /// \[N\] Standard deviation of this force.
     pub push_sd: Option<f64>,
-    /// What is drawn is drawn with it.
+    /// Seed of all random choices.
     pub seed: Option<u64>,
     /// \[s\] When people start to walk.
     pub start: Option<Spread>,
-    /// Who stays together.
+    /// Groups that stay together.
     pub groups: Option<GroupsConfig>,
     /// Everybody's way.
     pub waypoints: Option<Vec<Waypoint>>,

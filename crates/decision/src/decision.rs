@@ -95,7 +95,7 @@ fn is_due(at: f64, before: f64, now: f64) -> bool {
     before < at - 1e-9 && at - 1e-9 <= now
 }
 
-/// What an agent does.
+/// Act of an agent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Act {
     /// Its force and torque.
@@ -121,7 +121,7 @@ pub struct Decision {
     faces: Arc<Vec<[Vec2; 2]>>,
     /// Found when they are first needed; `None` inside if nobody needs any.
     ways: Option<Option<Arc<Ways>>>,
-    /// What all agents want by the model at their present poses, if people see each other and nothing has changed since.
+    /// Desired motions of all agents by the model at their present poses, if people see each other and nothing has changed.
     wanted: Option<Vec<DesiredMotion>>,
     /// Arrivals and directions of all agents at their present poses, if they were computed.
     aims: Option<Vec<Aim>>,
@@ -183,7 +183,7 @@ impl Decision {
         (self.wanted, self.aims, self.legs) = (None, None, None);
     }
 
-    /// What everybody does at the present poses.
+    /// Returns what everybody does at the present poses.
     ///
     /// # Errors
     /// No ways to exits and goals can be found: the area is too large.
@@ -365,7 +365,7 @@ impl Decision {
         })
     }
 
-    /// What an agent wants by a model in which people see each other.
+    /// Returns what an agent wants by a model in which people see each other.
     fn wanted(&mut self, i: usize) -> DesiredMotion {
         if let Some(wanted) = &self.wanted {
             return wanted[i];
@@ -378,7 +378,7 @@ impl Decision {
         own
     }
 
-    /// What an agent wants by the model, or does because it is stuck.
+    /// Returns what an agent wants by the model, or does because it is stuck.
     fn intent(&mut self, i: usize) -> DesiredMotion {
         let mut wanted = if self.plan.walking_model.sees_others() {
             self.wanted(i)

@@ -1,4 +1,4 @@
-//! What is wrong with settings or a plan.
+//! Errors of settings and plans.
 
 use lemons_core::plane::Vec2;
 use lemons_core::trial::FARTHEST;

@@ -1,4 +1,4 @@
-//! What people do who do not get on: they give way, so that no arch in a door holds for ever.
+//! People who do not get on give way, so that no arch in a door holds for ever.
 //!
 //! A person who wants to walk and gets on at less than a tenth of the desired speed, averaged over a second, is stuck.
 //! After one to two seconds the person does something else for half a second to a second, and longer each time it does

@@ -74,7 +74,7 @@ impl Deref for Walkers {
     }
 }
 
-/// What an FMU holds is its plan, to the last bit.
+/// An FMU holds its plan, to the last bit.
 #[test]
 fn a_plan_reads_back_to_the_last_bit() {
     let mut trial = trial();
@@ -381,7 +381,7 @@ fn whatever_people_do_depends_on_what_is_declared() {
     }
 }
 
-/// What a description declares, both versions.
+/// Checks the bounds that a description declares, in both versions.
 #[test]
 fn declared_bounds_are_kept() {
     bounds::are_kept(|| Decision::new(plan()));

@@ -43,12 +43,12 @@ impl<E: std::error::Error> From<E> for Refusal {
     }
 }
 
-/// What both versions say of a value out of its range: nothing has changed, and other values may do.
+/// Refuses a value out of its range, as both versions do: nothing has changed, and other values may do.
 pub(crate) fn out_of_range<T>(message: String) -> Answer<T> {
     Err(Refusal { status: Status::Discard, message })
 }
 
-/// What FMI 3.0 says of a call that a model refuses: nothing has changed, and other values may do.
+/// Answers for FMI 3.0 a call that a model refuses: nothing has changed, and other values may do.
 pub(crate) fn discard<T>(version: Version, answer: Answer<T>) -> Answer<T> {
     answer.map_err(|refusal| match (version, refusal.status) {
         (Version::V3, Status::Error) => Refusal { status: Status::Discard, ..refusal },

@@ -134,7 +134,7 @@ pub struct FmuContent<'a> {
     pub terminals: String,
     /// The icon, a square: in `terminalsAndIcons`.
     pub icon: FmuPicture,
-    /// What goes in and out, as FMI 3.0 wants it: `documentation/diagram.png`, which FMI 2.0 does not forbid.
+    /// Inputs and outputs, as FMI 3.0 wants them: `documentation/diagram.png`, which FMI 2.0 does not forbid.
     pub diagram: FmuPicture,
     /// A picture of what is packed: `model.png`, which is the icon if there is none; in FMI 3.0
     /// `documentation/model.png`.

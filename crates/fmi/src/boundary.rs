@@ -1,4 +1,4 @@
-//! What the C functions of every version of FMI have in common: pointers are checked, no panic and no error leaves them.
+//! Common parts of the C functions of every version of FMI: pointers are checked, no panic and no error leaves them.
 
 #![allow(unsafe_code)] // the C boundary
 

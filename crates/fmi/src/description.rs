@@ -11,7 +11,7 @@ use crate::{Answer, FmuFormat, Naming, Version};
 use lemons_core::xml::{Layout, XmlWriter, number};
 use std::collections::{BTreeSet, HashMap};
 
-/// What is packed into an FMU, as its description tells it.
+/// Content of an FMU, as its description tells it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Packed {
     /// The name of the Trial, or of the file.
@@ -170,7 +170,7 @@ fn write_annotation(out: &mut XmlWriter, version: Version, packed: &[Packed]) {
     });
 }
 
-/// Who holds the copyright, as in the licence.
+/// Copyright notice, as in the licence.
 const COPYRIGHT: &str = "Copyright (c) 2026 The LEMONS-FMU developers";
 
 /// Writes what both versions have, in its order, and then the rest.

@@ -1,6 +1,6 @@
 //! The co-simulation interface of all FMUs of this repository: FMI 2.0, and FMI 3.0 with arrays.
 //!
-//! What an FMU simulates is a [`Model`]. Everything else that FMI requires is here. The modules; each imports only from
+//! An FMU simulates a [`Model`]. Everything else that FMI requires is here. The modules; each imports only from
 //! those above it:
 //!
 //! - [`Version`], [`Format`]: the versions of FMI, and what can be chosen when an FMU is written

@@ -196,7 +196,7 @@ pub mod units {
     const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 }
 
-/// What a Real measures: a type definition, to which variables refer.
+/// Quantity that a Real measures: a type definition, to which variables refer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RealType {
     /// The name. It begins with a small letter, so it is not a variable's, as FMI wants.
@@ -325,7 +325,7 @@ pub enum Dimension {
 /// A row of a model's table: a variable of FMI 3.0. The variables of FMI 2.0 are its elements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Variable<Q: 'static> {
-    /// What the model knows it by.
+    /// The model's key of it.
     pub quantity: Q,
     /// Structured name.
     pub name: &'static str,

@@ -109,7 +109,7 @@ pub fn overlaps(trial: &Trial, agent: usize, [x, y, theta]: [f64; 3]) -> Result<
     Reply::of(Overlaps { agents, wall, depth })
 }
 
-/// Who crosses a line.
+/// People who cross a line.
 #[derive(Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub(crate) struct Flow {

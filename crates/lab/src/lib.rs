@@ -137,7 +137,7 @@ pub struct Lab {
     open: Option<run::LabRun>,
     /// How many runs there were: the number of the present one.
     runs: u32,
-    /// What is known of limits of the squeeze, by its number.
+    /// Limits of the squeeze, by their numbers.
     limits: BTreeMap<u32, limit::LimitProgress>,
 }
 

@@ -37,21 +37,21 @@ pub(crate) struct Limit {
     above: Option<AboveLimit>,
 }
 
-/// Who was above a limit, and how long \[s\].
+/// People above a limit, and how long \[s\].
 #[derive(Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub(crate) struct AboveLimit {
     people: usize,
     /// `None`: never.
     first: Option<f64>,
-    /// Who was above it longest without a break, and how long.
+    /// The person who was above it longest without a break, and how long.
     who: usize,
     longest: f64,
     /// Of all of them.
     time: f64,
 }
 
-/// What is known of a limit so far.
+/// Search for times above a limit, as far as frames have come.
 pub struct LimitProgress {
     of: LimitRequest,
     /// Place of the next frame.

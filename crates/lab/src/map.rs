@@ -13,7 +13,7 @@ const AROUND: f64 = 1.0;
 /// Numbers of a person in a frame: x, y \[m\], squeeze \[N\].
 const ROW: usize = 3;
 
-/// What a map shows.
+/// Quantity of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(rename = "Quantity"))]
 #[serde(rename_all = "kebab-case")]

@@ -155,7 +155,7 @@ pub fn unfit(before: &Trial, after: &Trial) -> Vec<String> {
     said(after).into_iter().filter(|message| !before.contains(message)).collect()
 }
 
-/// What is in a drawing.
+/// Content of a drawing.
 #[derive(Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub(crate) struct Understood {
@@ -184,7 +184,7 @@ pub(crate) struct ExitFound {
     corners: Vec<[f64; 2]>,
 }
 
-/// What a drawing seems to be: [`Proposal`].
+/// Meaning that a drawing seems to have: [`Proposal`].
 #[derive(Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub(crate) struct Proposed {
@@ -307,7 +307,7 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
     })
 }
 
-/// What a drawing seems to be, for the page.
+/// Returns a proposal for the page.
 fn proposed(found: &Proposal) -> Proposed {
     let gap = |gap: &Gap| GapFound {
         kind: gap.kind(),
@@ -330,7 +330,7 @@ fn proposed(found: &Proposal) -> Proposed {
     }
 }
 
-/// What to do where the unit is not known.
+/// Adds what to do where the unit is not known.
 fn explained(error: PeopleError) -> String {
     match error {
         PeopleError::NoUnit { size, .. } => {

@@ -33,7 +33,7 @@ pub(crate) struct Advanced {
 
 /// A Trial and its simulation.
 pub struct LabRun {
-    /// What runs.
+    /// The Trial that runs.
     pub driven: LoadedTrial,
     /// Its simulation.
     pub simulation: Simulation,

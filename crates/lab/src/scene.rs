@@ -20,7 +20,7 @@ pub(crate) struct Scene {
     pub run: u32,
     name: String,
     agents: Vec<AgentShown>,
-    /// What goes along with people of each kind.
+    /// Things that go along with people of each kind.
     kinds: BTreeMap<String, Vec<String>>,
     walls: Vec<WallShown>,
     step: f64,

@@ -58,7 +58,7 @@ impl Fmu {
         Fmu { shown: path.to_owned(), ..self }
     }
 
-    /// What the user knows it by.
+    /// Name under which the user knows it.
     pub(crate) fn shown(&self) -> &str {
         &self.shown
     }

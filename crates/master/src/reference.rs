@@ -20,7 +20,7 @@ use std::path::Path;
 use table::{MOST_VALUES, Table, is_number};
 use zip::{CompressionMethod, ZipWriter};
 
-/// What an FMU is to be run with, for its reference.
+/// Experiment with an FMU, for its reference.
 #[derive(Debug, Clone, Default)]
 pub struct Experiment {
     /// \[s\] The end. Default: that of the FMU's DefaultExperiment.

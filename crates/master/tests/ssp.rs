@@ -45,7 +45,7 @@ fn a_foreign_structure_is_read() {
     assert_eq!(structure.parameters[0].name, "a.k");
 }
 
-/// What is replaced in a file, by what, and what is said of it.
+/// Returns the text that is replaced in a file, its replacement, and the message.
 fn mistakes(file: &str) -> Vec<(String, String, String)> {
     let all = include_str!("ssp_files/mistakes.txt");
     let (_, own) = all.split_once(&format!("[{file}]\n")).unwrap();

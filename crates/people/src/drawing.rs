@@ -134,11 +134,11 @@ pub enum UnitFrom {
 pub struct DrawnLine {
     /// As the file has it; empty if there is none.
     pub layer: String,
-    /// What its layer, or another name of it, says that it is, and the rest of that name.
+    /// Role by the name of its layer, or another name of it, and the rest of that name.
     pub role: Option<(LayerRole, String)>,
     /// A name that the file gives this one.
     pub name: Option<String>,
-    /// What it is, as messages call it, with its place in the file: `LINE in line 12`.
+    /// Its kind, as messages call it, with its place in the file: `LINE in line 12`.
     pub entity: String,
     /// \[m\] One corner is a point. The first one is not repeated where the line is closed.
     pub corners: Vec<Vec2>,
@@ -159,11 +159,11 @@ pub struct Drawing {
     pub lines: Vec<DrawnLine>,
     /// \[m\] Length of a unit.
     pub unit: f64,
-    /// Who says so.
+    /// Origin of the unit.
     pub unit_from: UnitFrom,
     /// Number of curves that are straight pieces now.
     pub curves: usize,
-    /// What was left out: layer and kind, with the number of each.
+    /// Entities that were left out: layer and kind, with the number of each.
     pub left_out: BTreeMap<(String, String), usize>,
 }
 
@@ -254,7 +254,7 @@ fn text(bytes: &[u8]) -> Result<&str> {
     Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
 }
 
-/// What a reader has found so far.
+/// Collects what a reader finds.
 struct Tracer {
     lines: Vec<DrawnLine>,
     /// Where the length of a unit is known.

@@ -55,7 +55,7 @@ pub enum PartOrigin {
     Back,
 }
 
-/// What goes along with a person, rigidly.
+/// A thing that goes along with a person, rigidly.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KindPart {
@@ -73,7 +73,7 @@ pub struct KindPart {
     /// \[m\] Its lowest and its highest place above the floor, in three dimensions.
     #[serde(default = "usual_height")]
     pub height: [f64; 2],
-    /// What it looks like in three dimensions; empty: its disks as cylinders.
+    /// Its look in three dimensions; empty: its disks as cylinders.
     #[serde(default)]
     pub solids: Vec<Solid>,
 }
@@ -124,10 +124,10 @@ pub struct PersonKind {
     pub speed_women: Option<Distribution>,
     /// \[1/s\] Rate at which the floor brakes it across the gaze, if that is not as along: of wheels.
     pub floor_damping_across: Option<f64>,
-    /// What goes along.
+    /// Things that go along.
     #[serde(default)]
     pub parts: Vec<KindPart>,
-    /// What the bicycle looks like in three dimensions, from the middle of the rider.
+    /// Look of the bicycle in three dimensions, from the middle of the rider.
     #[serde(default)]
     pub solids: Vec<Solid>,
     /// The source of each number, or that it is an assumption.
@@ -407,7 +407,7 @@ impl Member {
     }
 }
 
-/// What a member is made of, while it is put together: relative to the person's centroid.
+/// Pieces of a member, while it is put together: relative to the person's centroid.
 #[derive(Default)]
 struct Pieces {
     disks: Vec<BodyDisk>,

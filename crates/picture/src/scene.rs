@@ -28,7 +28,7 @@ pub struct Trail {
     pub points: Vec<Vec2>,
 }
 
-/// What a mark is.
+/// Kind of a mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum MarkKind {
     /// Where people leave.

@@ -1,4 +1,4 @@
-//! What is simulated: a Trial, its drive, and where its people walk.
+//! A Trial, its drive, and where its people walk.
 
 use crate::CommandError;
 use crowd_mechanics::setup;
@@ -28,7 +28,7 @@ pub struct PyModel {
     /// The file that says where people walk, as the user knows it.
     #[pyo3(get)]
     plan: Option<PathBuf>,
-    /// What is probably not meant in it.
+    /// Warnings of what is probably not meant.
     #[pyo3(get)]
     warnings: Vec<String>,
 }
@@ -113,7 +113,7 @@ impl PyModel {
         self.documents.trial.parameters.time_step
     }
 
-    /// What the plan says of everybody, as text that is equal for equal plans: for tests.
+    /// The plan of everybody, as text that is equal for equal plans: for tests.
     fn planned(&self) -> Option<String> {
         let plan = Plan { config: DecisionConfig::default(), fingerprint: 0, ..self.documents.plan.clone()? };
         Some(format!("{plan:?}"))

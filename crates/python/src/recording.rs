@@ -150,7 +150,7 @@ impl Recording {
         self.run.leaving()?.why_some_stay(*self.recorded.times.last()?)
     }
 
-    /// What is found at the end of a run; `whole`: it began with the crowd.
+    /// Returns what is found at the end of a run; `whole`: it began with the crowd.
     fn findings(&self, simulation: &PySimulation, whole: bool) -> Vec<String> {
         let world = simulation.simulation.world();
         let forces: Option<Vec<_>> = world.map(|world| world.drive.iter().map(|drive| drive.force).collect());

@@ -166,7 +166,7 @@ impl PySimulation {
         Ok(())
     }
 
-    /// What drives everybody: Fp.x, Fp.y \[N\], Mp \[N.m\], shape (N, 3).
+    /// The drive of everybody: Fp.x, Fp.y \[N\], Mp \[N.m\], shape (N, 3).
     fn drive<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let world = self.simulation.world().ok_or_else(|| refused(SimError::NotBegun))?;
         let drive: Vec<f64> =

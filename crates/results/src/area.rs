@@ -23,7 +23,7 @@ const GRAINS: f64 = 1e6;
 pub struct Area {
     /// \[m\] The area.
     pub polygon: Polygon,
-    /// What the area was made of, and what could not be used, in words for the user.
+    /// Messages: of what the area was made, and what could not be used.
     pub said: Vec<String>,
     /// Whether it is the bounding box of walls and people, as no wall is around everybody.
     pub boxed: bool,

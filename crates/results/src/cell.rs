@@ -1,4 +1,4 @@
-//! What the cells of a table hold.
+//! Cells of a table.
 
 /// The type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -15,7 +15,7 @@ pub struct RecordedQuantity {
     pub variable: &'static str,
     /// SI unit as the FMU spells it; `None` for a count.
     pub unit: Option<&'static str>,
-    /// What it is, in a few words.
+    /// Its meaning, in a few words.
     pub description: &'static str,
     /// The columns with which it comes.
     pub group: Group,
@@ -71,7 +71,7 @@ impl RecordedQuantity {
     /// Checks a number. The doubles of an FMU (`any`) may be infinite or not numbers.
     ///
     /// # Errors
-    /// What the number must be.
+    /// It says what the number must be.
     pub(crate) fn check(&self, number: f64, any: bool) -> Result<(), &'static str> {
         let (good, must) = match self.domain {
             Real(_) => (any || number.is_finite(), "a finite number"),
@@ -353,7 +353,7 @@ pub struct Column {
     pub unit: Option<String>,
     /// Name of the FMU's variable, or what it is if it is not a variable.
     pub variable: String,
-    /// What it is, in a few words.
+    /// Its meaning, in a few words.
     pub description: String,
 }
 

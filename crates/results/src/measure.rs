@@ -1,4 +1,4 @@
-//! What is measured of a run: who crosses a line and when ([`Line`], [`Passages`], [`Flow`]), how dense a crowd is in an
+//! Measures of a run: who crosses a line and when ([`CountingLine`], [`Passages`], [`Flow`]), how dense a crowd is in an
 //! area ([`Room`], [`MeasuringArea`]), how long and how hard people are squeezed ([`Exposure`], [`MovingMeans`]) and where
 //! ([`SqueezeMap`]), how people keep their balance ([`Balance`]).
 //!
@@ -53,7 +53,7 @@ pub fn present(frame: &Frame, agent: usize) -> Option<&Motion> {
     motion.filter(|motion| motion.pose.position.is_finite())
 }
 
-/// What presses a person.
+/// Agents or walls that press a person.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum By {

@@ -1,4 +1,4 @@
-//! What walls enclose: closed walls, walls whose ends meet, walls whose ends straight lines join.
+//! Outlines that walls enclose: closed walls, walls whose ends meet, walls whose ends straight lines join.
 
 use lemons_core::plane::{Ring, Vec2, segments_touch};
 use lemons_core::trial::Wall;

@@ -8,12 +8,12 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// What is done with each frame.
+/// Called with each frame.
 pub(crate) type Each<'a> = dyn FnMut(Frame) -> Result<(), RecordError> + 'a;
 /// Reads all frames in the order of time and returns the Ids of the agents.
 type Pass = dyn Fn(&mut Each<'_>) -> Result<Vec<String>, RecordError>;
 
-/// What is known of trajectories besides their frames.
+/// Properties of trajectories besides their frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectories {
     /// \[1/s\] Frames per second.
@@ -25,7 +25,7 @@ pub struct Trajectories {
     pub oriented: bool,
     /// Where people can be: well-known text, in m, of each geometry that the file holds.
     pub geometry: Vec<String>,
-    /// What was assumed, and what was left out.
+    /// Assumptions, and what was left out.
     pub notes: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What was recorded of a crowd.
+//! Record of a crowd.
 
 use crate::error::RecordError;
 use lemons_core::plane::{Motion, Vec2};
@@ -24,7 +24,7 @@ pub struct Frame {
     pub time: f64,
     /// Pose and velocity of each agent, in the order of the run's Ids.
     pub agents: Vec<Motion>,
-    /// What the contacts do to each agent, in the order of the run's Ids; `None` if the source has no such columns.
+    /// Effects of the contacts on each agent, in the order of the run's Ids; `None` if the source has no such columns.
     pub observed: Option<Vec<Observed>>,
     /// Whether each agent is there; `None` if the source has no such column, and all are.
     pub active: Option<Vec<bool>>,
@@ -32,7 +32,7 @@ pub struct Frame {
     pub legs: Option<Vec<OfLegs>>,
     /// Contacts of the whole crowd; `None` if the source has no such columns.
     pub totals: Option<Totals>,
-    /// What people did to each straight piece of the walls, in the order of Geometry.xml, within the communication step
+    /// Effects of people on each straight piece of the walls, in the order of Geometry.xml, within the communication step
     /// that ends at the time; `None` if the source does not record it.
     pub walls: Option<Vec<OfWall>>,
     /// Contacts with their springs; `None` if the source does not record them.
@@ -41,7 +41,7 @@ pub struct Frame {
     pub place: String,
 }
 
-/// What the contacts do to an agent. These are outputs of the FMU.
+/// Effects of the contacts on an agent. These are outputs of the FMU.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Observed {
     /// Number of contacts with disks of other agents.
@@ -52,11 +52,11 @@ pub struct Observed {
     pub contacting_agents: u32,
     /// \[N\] squeeze at the time: sum of |F_n| over the agent's contacts.
     pub normal_force: f64,
-    /// What the contacts did within the communication step that ends at the time, if that was recorded.
+    /// Effects within the communication step that ends at the time, if they were recorded.
     pub of_step: Option<OfStep>,
 }
 
-/// What the contacts did to an agent within a communication step. These are outputs of the FMU.
+/// Effects of the contacts on an agent within a communication step. These are outputs of the FMU.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OfStep {
     /// \[N\] time average of the squeeze.
@@ -82,7 +82,7 @@ pub struct OfLegs {
     pub fallen: bool,
 }
 
-/// What people did to a straight piece of a wall within a communication step. These are outputs of the FMU.
+/// Effects of people on a straight piece of a wall within a communication step. These are outputs of the FMU.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OfWall {
     /// \[N\] time average of the sum of |F_n| over its contacts.

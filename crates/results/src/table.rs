@@ -19,7 +19,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
-/// What a file of Parquet begins with.
+/// Beginning of a file of Parquet.
 const PARQUET: &[u8; 4] = b"PAR1";
 
 /// Message of a build without the feature.

@@ -18,7 +18,7 @@ use std::fs::File;
 use std::io::{self, Read, Seek};
 use std::path::Path;
 
-/// What a database of SQLite begins with.
+/// Beginning of a database of SQLite.
 const SQLITE: &[u8; 16] = b"SQLite format 3\0";
 /// Largest number of rows: 1.3 GB of memory.
 const MOST_ROWS: usize = 20_000_000;
@@ -33,7 +33,7 @@ const UNKNOWN: Vec2 = vec2(f64::NAN, f64::NAN);
 /// \[1/s\] Less and more are a mistake.
 const RATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
-/// What a file of trajectories may leave unsaid, and how velocities are computed.
+/// Information that a file of trajectories may lack, and how velocities are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Told {
     /// How many units of a text are a metre: 1, or 100 of centimetres; `None`: the text says it.
@@ -71,9 +71,9 @@ struct Row {
     velocity: Vec2,
 }
 
-/// What a reader finds in a file.
+/// Content that a reader finds in a file.
 struct Found {
-    /// What is counted in it: lines or rows.
+    /// Unit of its length: lines or rows.
     what: &'static str,
     rows: Vec<Row>,
     /// \[1/s\]
@@ -98,7 +98,7 @@ struct FrameNumbers {
 /// Takes rows of a file, and checks them.
 struct Rows<'a> {
     path: &'a Path,
-    /// What is counted in the file: lines or rows.
+    /// Unit of the file's length: lines or rows.
     what: &'static str,
     rows: Vec<Row>,
 }
@@ -170,11 +170,11 @@ fn rate_of(path: &Path, own: Option<f64>, told: Option<f64>) -> Result<f64, Reco
 /// \[B\] So much of a file says what it is: SUMO writes the options of its run first.
 const HEAD: u64 = 65_536;
 
-/// What can be read.
+/// Formats that can be read.
 pub const READ: &str = "SQLite of JuPedSim, text with lines \"id frame x y z\", FCD of SUMO (XML, CSV), postvis.traj of \
                         Vadere, .pp of Viswalk, CSV of Pathfinder and of crowd:it";
 
-/// What a file of trajectories is.
+/// Format of a file of trajectories.
 #[derive(Clone, Copy)]
 enum Kind {
     Database,

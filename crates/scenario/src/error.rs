@@ -23,7 +23,7 @@ pub enum ScenarioError {
         place: String,
         /// How many are wanted, and how many fit.
         what: String,
-        /// What to do about it.
+        /// Advice.
         hint: String,
     },
     /// The placing was stopped.
@@ -32,7 +32,7 @@ pub enum ScenarioError {
     /// A file of a Trial has errors.
     #[error("{0}")]
     Files(lemons_core::trial::Problems),
-    /// What people, rooms or drawings say, and of what.
+    /// An error of people, rooms or drawings, and of what.
     #[error("{of}: {error}")]
     People {
         /// Of what.

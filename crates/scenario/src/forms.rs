@@ -175,7 +175,7 @@ impl DrawingForm {
 pub enum Share {
     /// Relative to the others.
     Number(f64),
-    /// What the others leave of 100.
+    /// The rest that the others leave of 100.
     Rest(Rest),
 }
 

@@ -15,7 +15,7 @@ use lemons_people::{Door, PeopleError, closed_walls, cut_doors, walls};
 pub(crate) const NO_WAY_OUT: &str =
     "`leave`: there is no way out: give `doors` X,Y,WIDTH, or `exits` X1,Y1,X2,Y2";
 
-/// What to do about doors where walls have openings.
+/// Advice about doors where walls have openings.
 const DOORS: &str = "a door is in a closed wall of the room where people stand (`box`, `geometry`): close the wall, and \
                      give its opening as `doors`, too; or leave out `doors`: `regions` takes walls with \
                      openings, and with `leave`, `exits` says where people leave";
@@ -248,7 +248,7 @@ impl Scenario {
         }
     }
 
-    /// What to do about a wall that is open.
+    /// Returns what to do about a wall that is open.
     fn advice(&self, geometry: &Geometry) -> String {
         match Bounds::of(geometry.walls.iter().flat_map(|wall| wall.corners.iter().copied())) {
             Some(Bounds { low, high }) if self.doors.is_empty() => format!(

@@ -13,9 +13,9 @@ pub enum SimError {
     Value {
         /// Of the variable.
         name: String,
-        /// What was given.
+        /// The text that was given.
         text: String,
-        /// What it must be.
+        /// The rule that it breaks.
         why: String,
     },
     /// There is no such variable.

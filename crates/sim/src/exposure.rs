@@ -1,4 +1,4 @@
-//! What a crowd went through: at worst, and since the last rows of a table.
+//! Exposure of a crowd: at worst, and since the last rows of a table.
 
 use lemons_results::{Frame, OfStep};
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! What the rules of [`lemons_core::rule`] find where people walk, in a drive, and at the end of a run. What they find in
+//! Findings of the rules of [`lemons_core::rule`] where people walk, in a drive, and at the end of a run. What they find in
 //! the files of a Trial, its reader tells ([`crowd_mechanics::setup::read`]).
 
 mod end;

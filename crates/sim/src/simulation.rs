@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// What a simulation begins with.
+/// Documents with which a simulation begins.
 #[derive(Debug, Clone)]
 pub struct Documents {
     /// The Trial.
@@ -99,7 +99,7 @@ pub struct Simulation {
     adds: bool,
     /// Pushes from outside of those who walk, by agent: added, too.
     pushes: BTreeMap<usize, Wrench>,
-    /// What those who walk do next.
+    /// Next acts of those who walk.
     acts: Vec<Act>,
     /// \[s\]
     time: f64,

@@ -20,7 +20,7 @@ pub struct Accumulators<'a> {
     places: &'a Places,
     people: usize,
     of_each: Vec<(&'a Measure, Accumulator<'a>)>,
-    /// What ends the point before its time.
+    /// Condition that ends the point before its time.
     stop: Option<(&'a Stop, Reading)>,
     /// Whether a measure needs to know where people could be, which is known at the end.
     needs_room: bool,

@@ -1,4 +1,4 @@
-//! What can go wrong with a sweep.
+//! Errors of a sweep.
 
 use std::io;
 
@@ -16,13 +16,13 @@ pub enum SweepError {
     In {
         /// As the user knows it.
         place: String,
-        /// What happened there.
+        /// The error there.
         source: Box<SweepError>,
     },
     /// `sweep.toml` is not TOML, or a key is unknown, missing or of another type.
     #[error(transparent)]
     Toml(#[from] toml::de::Error),
-    /// What `sweep.toml` or its table of points says is not possible: key, value and why.
+    /// `sweep.toml` or its table of points says something impossible: key, value and why.
     #[error("{0}")]
     Spec(String),
     /// A crowd is impossible.
@@ -34,7 +34,7 @@ pub enum SweepError {
     /// A table in CSV cannot be read or written.
     #[error(transparent)]
     Csv(#[from] csv::Error),
-    /// What identifies a sweep cannot be written as JSON.
+    /// The identity of a sweep cannot be written as JSON.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
     /// A Trial, its drive or its plan cannot be used.

@@ -1,4 +1,4 @@
-//! What must be equal to continue a sweep.
+//! Identity of a sweep: what must be equal to continue it.
 
 use crate::error::Result;
 use crate::models::Models;

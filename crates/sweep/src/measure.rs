@@ -20,7 +20,7 @@ use squeeze::SqueezeMeasure;
 /// and balance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measure {
-    /// What is measured.
+    /// Kind of the measure.
     pub kind: MeasureKind,
     /// \[s\] From this time on.
     pub from: Option<f64>,
@@ -28,7 +28,7 @@ pub struct Measure {
     pub until: Option<f64>,
 }
 
-/// What is measured.
+/// Kind of the measure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeasureKind {
     /// `of`: the values of an output.

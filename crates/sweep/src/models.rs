@@ -1,4 +1,4 @@
-//! What is simulated at which point, and its path, in which parameters may stand.
+//! Models of the points, and their paths, in which parameters may stand.
 
 use crate::error::Result;
 use crate::points::Points;
@@ -20,10 +20,10 @@ pub enum SweepPlan {
     File(Template),
 }
 
-/// What is simulated at a point: a Trial, or the one in an FMU, and where people walk.
+/// Model of a point: a Trial, or the one in an FMU, and where people walk.
 pub type SweepModel = (PathBuf, PlanChoice);
 
-/// What is simulated at all points.
+/// Models of all points.
 #[derive(Debug, Clone)]
 pub struct Models {
     /// Each of them once.

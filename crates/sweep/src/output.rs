@@ -7,7 +7,7 @@ use lemons_sim::settings::VariableSelection;
 use lemons_sim::{SimError, Simulation};
 use serde::Deserialize;
 
-/// What is looked at: a quantity of each agent of the crowd, such as `x` or `mean_squeeze`, or the name of a variable, with its
+/// An output: a quantity of each agent of the crowd, such as `x` or `mean_squeeze`, or the name of a variable, with its
 /// component if that is not the crowd: `decision.Arrived`. With `agent[*]` it is one of each agent.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(transparent)]

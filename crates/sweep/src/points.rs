@@ -21,7 +21,7 @@ pub struct SweepParameter {
 /// The points of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Points {
-    /// What varies.
+    /// Parameters that vary.
     pub parameters: Vec<SweepParameter>,
     /// Number of points.
     pub count: usize,

@@ -132,11 +132,11 @@ pub struct LoadedModel {
     trial: Trial,
     simulation: Simulation,
     clock: Clock,
-    /// What ends a point before its time.
+    /// Condition that ends a point before its time.
     end: Option<StopCondition>,
-    /// What must be equal to continue a sweep.
+    /// Identity: it must be equal to continue a sweep.
     identity: Map<String, Value>,
-    /// What is probably not meant.
+    /// Warnings of what is probably not meant.
     warnings: Vec<String>,
 }
 

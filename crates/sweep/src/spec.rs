@@ -28,7 +28,7 @@ pub struct Spec {
     pub(crate) needs_plan: bool,
     /// When a point ends.
     pub until: Until,
-    /// What ends a point before.
+    /// Condition that ends a point before.
     pub(crate) stop: Option<Stop>,
     /// \[s\] Communication step; `None`: that of the Trial.
     pub step: Option<f64>,
@@ -44,7 +44,7 @@ pub struct Spec {
     pub(crate) places: Places,
     /// The files that are read.
     pub inputs: Vec<PathBuf>,
-    /// What must be equal to go on, as far as the file itself says it.
+    /// Part of the identity that the file itself says: it must be equal to go on.
     pub(crate) identity: Map<String, Value>,
 }
 

@@ -1,4 +1,4 @@
-//! What the runs of each case have in common: means over seeds with their intervals, quantiles, and runs that got stuck.
+//! Summary of the runs of each case: means over seeds with their intervals, quantiles, and runs that got stuck.
 
 use crate::error::Result;
 use crate::points::Points;

@@ -39,7 +39,7 @@ pub struct Options<'a> {
 
 /// A sweep that has ended.
 pub struct Swept {
-    /// What was simulated.
+    /// Points that were simulated.
     pub points: Points,
     /// Names of the measures.
     pub measures: Vec<String>,
@@ -47,7 +47,7 @@ pub struct Swept {
     pub rows: Vec<Finished>,
     /// How far it is.
     pub progress: SweepProgress,
-    /// What is probably not meant.
+    /// Warnings of what is probably not meant.
     pub warnings: Vec<String>,
 }
 

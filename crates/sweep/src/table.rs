@@ -14,7 +14,7 @@ use std::fs::{File, TryLockError};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// What the first line begins with.
+/// Beginning of the first line.
 const BEGIN: &str = "# lemons sweep ";
 /// \[byte\] of the first line.
 const LARGEST_IDENTITY: u64 = 64 << 20;
@@ -35,7 +35,7 @@ pub struct Finished {
     pub outcome: Result<Vec<Option<MeasuredValue>>, String>,
 }
 
-/// What was measured.
+/// Value of a measure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeasuredValue {
     /// A number.

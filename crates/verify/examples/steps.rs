@@ -1,4 +1,4 @@
-//! What mechanical step has which error, and what it costs, for five kinds of scene: the table of docs/step.md, with the
+//! Errors and costs of mechanical steps, for five kinds of scene: the table of docs/step.md, with the
 //! errors over time (three minutes):
 //!
 //! `cargo run --release -p lemons-verify --features bench --example steps [TEXT]`

@@ -1,4 +1,4 @@
-//! What the fuzzers of `fuzz/` do with their bytes: each function takes any bytes and panics when the
+//! Targets of the fuzzers of `fuzz/`: each function takes any bytes and panics when the
 //! program under test breaks a promise. The fuzzers are one-liners around them; `tests/replay.rs` runs
 //! them on the inputs that the fuzzers kept.
 //!

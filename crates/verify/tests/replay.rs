@@ -1,4 +1,4 @@
-//! What the fuzzers have kept, inputs and past crashers, once more.
+//! Replays what the fuzzers have kept: inputs and past crashers.
 
 #![cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
 

@@ -1,4 +1,4 @@
-//! What a signal does when the program starts.
+//! Actions of signals when the program starts.
 
 use std::ffi::c_int;
 use std::mem::MaybeUninit;

@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use lemons_results::measure::{CountingLine, MeasuringArea};
 use std::collections::HashSet;
 
-/// What has a name of its own, or gets its number for one.
+/// A line or an area with a name of its own, or with its number for one.
 #[derive(Clone)]
 pub struct Labelled<T> {
     pub name: String,

@@ -25,7 +25,7 @@ pub struct RunSummary {
     /// How velocities were calculated; not there for our runs, which have some.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trajectories: Option<OfTrajectories>,
-    /// Who has left, by any exit; null: nobody can leave.
+    /// People who have left, by any exit; null: nobody can leave.
     pub left: Option<Left>,
     pub lines: Vec<OfLine>,
     pub areas: Vec<OfArea>,
@@ -35,14 +35,14 @@ pub struct RunSummary {
     pub walls: Option<Vec<Piece>>,
     /// How people kept their balance; null: they have no legs.
     pub balance: Option<BalanceSummary>,
-    /// What the squeezes can mean, and what not.
+    /// Notes of what the squeezes can mean, and what not.
     pub notes: Vec<String>,
     /// \[s\], \[N\] Of the mean squeezes of all people over the second that ends then: those of [`QUANTILES`].
     #[serde(skip)]
     pub spread: Vec<(f64, [f64; QUANTILES.len()])>,
 }
 
-/// What is known of trajectories that are not of our runs.
+/// Properties of trajectories that are not of our runs.
 #[derive(Serialize)]
 pub struct OfTrajectories {
     /// \[1/s\]
@@ -239,7 +239,7 @@ pub struct OfPeople {
     pub median: f64,
     pub quantile_90: f64,
     pub max: f64,
-    /// Who has the greatest value.
+    /// Id of the person with the greatest value.
     pub max_id: String,
 }
 

@@ -95,7 +95,7 @@ impl PlacingArguments {
     }
 }
 
-/// What was understood of a drawing; of what was left out, how much.
+/// Prints what was understood of a drawing; of what was left out, how much.
 pub fn say_drawn(read: &Read, path: &Path) {
     let said = room::said(read, path);
     let (left_out, said): (Vec<_>, Vec<_>) = said.into_iter().partition(|(what, _)| *what == "left out");

@@ -158,7 +158,7 @@ impl DrawingArguments {
     }
 }
 
-/// What to do where the unit is not known.
+/// Adds what to do where the unit is not known.
 pub fn explained(error: PeopleError) -> anyhow::Error {
     let PeopleError::NoUnit { size, scale } = error else { return error.into() };
     let options = if scale {

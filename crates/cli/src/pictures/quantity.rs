@@ -1,4 +1,4 @@
-//! What is shown of each agent at each time.
+//! Quantities that pictures show of each agent at each time.
 
 use super::trial_run::CrowdState;
 use crate::error::Misused;

@@ -1,4 +1,4 @@
-//! What `lemons plot` and `lemons movie` show, and `lemons measure` measures: a Trial, an FMU, or the record of a run.
+//! Source of `lemons plot`, `lemons movie` and `lemons measure`: a Trial, an FMU, or the record of a run.
 
 use super::trial_run::{Bodies, TrialRun};
 use crate::error::Misused;
@@ -55,7 +55,7 @@ enum Found {
     Recorded(Record),
 }
 
-/// What is shown.
+/// An opened source.
 pub struct Opened {
     /// A table may come without.
     pub trial: Option<Trial>,

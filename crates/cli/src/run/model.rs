@@ -63,7 +63,7 @@ pub struct PreparedRun {
     /// One communication point in so many is written, beginning with the first.
     pub every: u64,
     pub drive: DriveTable,
-    /// What a saved run says of the FMUs and of their connections.
+    /// The FMUs and their connections, for a saved run.
     pub components: Vec<ComponentRecord>,
     pub wiring: String,
     /// The saved run that goes on.

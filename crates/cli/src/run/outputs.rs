@@ -8,7 +8,7 @@ use lemons_results::columns::Column;
 use lemons_results::{Cell, CellType, RecordError, TableContent, TableFormat, TableWriter};
 use std::path::{Path, PathBuf};
 
-/// What tables say of a run.
+/// Lines that tables have of a run.
 pub struct About {
     pub lines: Vec<(&'static str, String)>,
     /// True if a saved run goes on: then no table is replaced, which may be one of the run before.
@@ -45,7 +45,7 @@ pub struct OutputTable {
     kinds: Vec<CellType>,
     /// Names of the columns after the time; `None` once a value was seen that is no finite number.
     names: Vec<Option<String>>,
-    /// What was seen then.
+    /// Oddities that were seen then.
     odd: Vec<String>,
 }
 

@@ -1,5 +1,5 @@
-//! What needs more of the `lemons` command than its output: numbers that are computed again, signals, forged files.
-//! What it prints is in tests/cmd.
+//! Tests that need more of the `lemons` command than its output: numbers that are computed again, signals, forged files.
+//! Its output is in tests/cmd.
 //!
 //! One program for all of them: linking takes longer than compiling.
 

@@ -116,7 +116,7 @@ fn run_page(page: &Path, shared: &Path) -> (String, String) {
     (different, now)
 }
 
-/// What is made once: FMUs of a controller in C, variants of it that cannot be coupled, and the shipped Trials with a
+/// Files that are made once: FMUs of a controller in C, variants that cannot be coupled, and the shipped Trials with a
 /// longer mechanical step, which makes their runs short.
 fn shared() -> TempDir {
     let directory = TempDir::new().unwrap();

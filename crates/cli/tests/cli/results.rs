@@ -1,4 +1,4 @@
-//! What `lemons run` writes, stops and goes on with.
+//! Results of `lemons run`: written, stopped, and continued.
 
 use crate::common::{self, default_trial, lemons, names, started, wait_for};
 use lemons_results::Run;

@@ -1,4 +1,4 @@
-//! What a signal leaves behind.
+//! Files and exit codes after a signal.
 
 use crate::common::{command, default_trial, done, names};
 use std::path::Path;

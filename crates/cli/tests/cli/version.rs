@@ -1,4 +1,4 @@
-//! What `build.rs` says of the sources: it is compiled here and run on repositories of its own.
+//! The version that `build.rs` finds: it is compiled here and run on repositories of its own.
 
 use crate::common::{done, out};
 use std::fs;
@@ -19,11 +19,11 @@ static SCRIPT: LazyLock<(TempDir, PathBuf)> = LazyLock::new(|| {
     (directory, program)
 });
 
-/// What the script says of a workspace.
+/// Output of the script for a workspace.
 struct Said {
     /// Commit, date, "1" for changes.
     values: [String; 3],
-    /// What it is run again for.
+    /// Files for which it is run again.
     watched: Vec<PathBuf>,
 }
 

@@ -27,7 +27,7 @@ speed = { of = "speed", take = "max" }
 push = { of = "decision.agent[*].Fp.x", take = "max", agents = ["3"] }
 "#;
 
-/// What is said of a file that is refused.
+/// Returns the message about a file that is refused.
 fn refused(at: &Path, arguments: &[&str]) -> String {
     let output = lemons(at, arguments);
     assert_code(&output, 1);
@@ -239,7 +239,7 @@ others = { squeeze = "impulse", by = "people", across = "max" }
 peak = { squeeze = "peak", across = "max" }
 "#;
 
-/// What `lemons measure` says of the same Trial, which is run again.
+/// Returns the measures by `lemons measure` of the same Trial, which is run again.
 fn measured(at: &Path, trial: &str, more: &[&str]) -> serde_json::Value {
     let above = if more.contains(&"--above") { &[][..] } else { &["--above", "100"] };
     measured_at(at, trial, &[&["--until", "left"], above, more].concat())

@@ -343,7 +343,7 @@ mod tests {
         assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 8, "no temporary file is left");
     }
 
-    /// Who looks at a place while another one, who holds the lock, is about to write it, sees what that one has written.
+    /// A reader of a place that another one, who holds the lock, is about to write sees what that one has written.
     #[test]
     #[cfg(unix)]
     fn looking_at_a_place_and_writing_it_are_one() {

@@ -95,7 +95,7 @@ fn rims_of(polygons: &[Vec<Contour>]) -> Vec<Rim> {
     polygons.iter().enumerate().flat_map(of_polygon).collect()
 }
 
-/// What is in any polygon.
+/// Returns the union of polygons.
 fn united_polygons(polygons: &[Polygon], gap: f64, most: usize) -> Option<Polygons> {
     let mut parts = Vec::new();
     for polygon in polygons {

@@ -13,15 +13,15 @@ use i_overlay::float::slice::FloatSlice;
 /// The corners of a ring \[m\]; the first one is not repeated.
 pub type Contour = Vec<[f64; 2]>;
 
-/// What is left of contours: polygons, of each its rim, then its holes.
+/// Polygons that contours become: of each its rim, then its holes.
 pub type Polygons = Vec<Vec<Contour>>;
 
-/// What is inside of several contours.
+/// Rule of what is inside of several contours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InsideRule {
-    /// What an odd number of them is around.
+    /// Places around which an odd number of them is.
     EvenOdd,
-    /// What they go around, all in all, where a clockwise one counts against the others.
+    /// Places around which they go, all in all, where a clockwise one counts against the others.
     NonZero,
 }
 

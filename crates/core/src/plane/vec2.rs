@@ -10,7 +10,7 @@ pub const fn vec2(x: f64, y: f64) -> Vec2 {
     Vector2::new(x, y)
 }
 
-/// What `nalgebra` does not have for vectors of the plane.
+/// Functions that `nalgebra` does not have for vectors of the plane.
 pub trait InPlane: Sized {
     /// Returns the vector turned by 90° counter-clockwise.
     fn left(self) -> Self;

@@ -27,7 +27,7 @@ impl TryFrom<Vec<Vec<f64>>> for OpeningTimes {
 }
 
 impl OpeningTimes {
-    /// What they must be, for messages.
+    /// Their rule, for messages.
     pub const RULE: &str =
         "at most 1000 pairs of from and to in s, from 0 to 1e9, each number above the one before";
 

@@ -1,4 +1,4 @@
-//! What is read of the Trial's XML files: elements and their attributes. The readers check values by it;
+//! Elements and attributes that are read of the Trial's XML files. The readers check values by it;
 //! docs/reference/trial.md says the same, with units and meanings.
 
 /// An element of a file: its name, its attributes, and the elements that are read in it.

@@ -19,7 +19,7 @@ use std::iter::repeat;
 use std::mem;
 use std::path::Path;
 
-/// What was read, with the warnings; or all that is wrong.
+/// A document with the warnings, or all that is wrong.
 pub type Checked<T> = Result<(T, Problems), Problems>;
 
 /// Files of a Trial while they are read.

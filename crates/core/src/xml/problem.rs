@@ -1,4 +1,4 @@
-//! What is wrong with a document, and where.
+//! Problems of a document, with their places.
 
 use crate::rule::{Rule, Severity};
 use std::fmt;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// One error, warning or note about a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
-    /// What has found it.
+    /// The rule that has found it.
     pub rule: Rule,
     /// The file's path, beginning as the user gave it; empty if the text comes from no file.
     pub file: PathBuf,
@@ -32,7 +32,7 @@ impl Problem {
         Problem { line, ..Problem::by(Rule::Invalid, file, message) }
     }
 
-    /// What a rule finds in a whole file.
+    /// Returns a problem of a whole file.
     pub fn by(rule: Rule, file: &Path, message: impl Into<String>) -> Problem {
         Problem {
             rule,

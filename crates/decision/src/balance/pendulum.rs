@@ -227,7 +227,7 @@ impl Pendulum {
     }
 }
 
-/// What a step ends before.
+/// Obstacles before which a step ends.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Around<'a> {
     /// Faces of walls \[m\].

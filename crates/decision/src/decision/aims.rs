@@ -6,7 +6,7 @@ use crate::target::{Arrival, Destination, Ways};
 use lemons_core::plane::{InPlane, Vec2, rotation, segments_cross, vec2};
 use lemons_fmi::Answer;
 
-/// What somebody wants now. See [`Decision::arrival`], [`Decision::goes`] and [`Decision::to_go`].
+/// Aim of somebody now. See [`Decision::arrival`], [`Decision::goes`] and [`Decision::to_go`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Aim {
     pub(super) arrival: Option<Arrival>,

@@ -208,7 +208,7 @@ mod tests {
         assert!(all && on.contains(&Velocity));
     }
 
-    /// Who waits for others stands, so that a speed is too much for the balance.
+    /// A person who waits for others stands, so that a speed is too much for the balance.
     #[test]
     fn before_the_first_step_legs_depend_on_the_whole_group() {
         let mut decision = decision(

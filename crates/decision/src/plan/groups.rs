@@ -1,4 +1,4 @@
-//! Who is in a group with whom.
+//! Groups: who stays together with whom.
 
 use crate::cells::{Cells, sees};
 use crate::config::{DecisionConfig, GroupsConfig};

@@ -160,7 +160,7 @@ impl Walk for Rotational {
     }
 }
 
-/// What everybody sees.
+/// Surroundings that everybody sees.
 struct Surroundings {
     cells: Cells<Other>,
     /// \[m/s\] Greatest speed of anybody.
@@ -216,10 +216,10 @@ struct View<'a> {
     narrowest: f64,
 }
 
-/// What somebody sees of the others.
+/// View that somebody has of the others.
 #[derive(Debug, PartialEq)]
 struct Seen {
-    /// Who counts most ahead: the distance with the ranges of steering, and the offset to the side \[m\].
+    /// The person who counts most ahead: the distance with the ranges of steering, and the offset to the side \[m\].
     leader: (f64, f64),
     /// Whether the leader goes the same way: neither stands nor crosses.
     leads_on: bool,
@@ -258,7 +258,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// What is known before anybody is seen.
+    /// Returns the view before anybody is seen.
     fn nobody(&self) -> Seen {
         // Beyond this gap nobody changes the speed.
         let free = self.walking.speed * self.walking.time_gap + self.walking.standstill_gap;

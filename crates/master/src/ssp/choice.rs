@@ -16,7 +16,7 @@ pub(super) struct Choice<'a> {
 
 impl<'a> Choice<'a> {
     /// Reads pairs of an output and an input, `component.variable`, of single values, arrays, or with `agent[*]`.
-    /// What is chosen for an input comes before what terminals say.
+    /// A choice for an input comes before what terminals say.
     pub(super) fn read(
         chosen: &'a [(String, String)],
         participants: &'a [Participant<'a>],

@@ -68,7 +68,7 @@ fn look(instances: [&FmuInstance; 2]) -> Vec<u64> {
     instances.iter().flat_map(|instance| names.iter().map(|name| real(instance, name).to_bits())).collect()
 }
 
-/// What the squeezes of the first agents do to the first agent of the other crowd, written out. `a` is pushed
+/// Effect of the squeezes of the first agents on the first agent of the other crowd, written out. `a` is pushed
 /// by half the squeeze in `b` and 100 N.
 fn by_hand(fmu: &Fmu, algorithm: Algorithm) -> Seen {
     let (a, b) = (fmu.instantiate("a").unwrap(), fmu.instantiate("b").unwrap());

@@ -33,7 +33,7 @@ fn elements() -> Vec<String> {
     SHOWN.into_iter().flat_map(of).collect()
 }
 
-/// What a run of ours shows after each step, while agent 0 is pushed with 700 N.
+/// Values of a run of ours after each step, while agent 0 is pushed with 700 N.
 fn ours(fmu: &Path, directory: &Path) -> Vec<Vec<u64>> {
     let drive = directory.join("drive.csv");
     std::fs::write(&drive, "t,agent,Fp.x,Fp.y,Mp\n0,0,700,0,0\n9,0,700,0,0\n").unwrap();

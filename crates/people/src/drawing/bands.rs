@@ -29,7 +29,7 @@ const MOST_JOINS: usize = 500;
 /// \[m\] How far a swing may be from its gap.
 const SWING_OFF: f64 = 0.45;
 
-/// What walls enclose.
+/// Ground that walls enclose.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Enclosed {
     /// The ground: its rim, then holes; none where nothing is enclosed.

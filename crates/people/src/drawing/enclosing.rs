@@ -47,7 +47,7 @@ impl Enclosing {
     }
 }
 
-/// What walls and obstacles of a drawing make.
+/// Ground that walls and obstacles of a drawing make.
 pub(super) struct Taken {
     /// The ground without obstacles: its rim, then holes.
     pub ground: Vec<Contour>,
@@ -77,7 +77,7 @@ pub(super) struct Taken {
     pub swings: Vec<Swing>,
 }
 
-/// What a drawing is, before somebody chooses.
+/// Sorts a drawing, before somebody chooses.
 pub(super) fn seen(lines: &[DrawnLine]) -> Result<(Sorted, Vec<Swing>)> {
     let all: Vec<Piece> =
         pieces_of(asked(lines).filter(|(_, line)| of_name(&line.layer) != Some(Sort::Note)))?;

@@ -7,7 +7,7 @@ use lemons_core::plane::{Vec2, vec2};
 /// \[m\] Gaps of such widths may be doors.
 pub const DOOR: [f64; 2] = [0.6, 3.0];
 
-/// What is beyond a gap.
+/// Space beyond a gap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Leads {
     /// From the room to what is outside.

@@ -156,7 +156,7 @@ fn wrong(at: &str, key: &str, value: &Value, must: &str) -> PeopleError {
     PeopleError::new(format!("{} = {}: must be {must}", inner(at, key), short(&value[key])))
 }
 
-/// What a value begins with. Long ones are not written out.
+/// Returns a value for messages. Long ones are not written out.
 fn short(value: &Value) -> String {
     match value {
         Value::Array(all) if all.len() > 3 => format!("an array of {}", all.len()),

@@ -12,7 +12,7 @@ pub const WIDEST_GAP: f64 = 0.1;
 /// More pairs of ends that are near each other are a mistake.
 const MOST_PAIRS: usize = 4_000_000;
 
-/// What was joined.
+/// Numbers of what was joined.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Joined {
     /// Number of gaps between ends that were closed.

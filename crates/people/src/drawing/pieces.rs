@@ -156,7 +156,7 @@ pub(super) struct Mended {
     pub pieces: Vec<Piece>,
     /// \[m\] Of each gap that is larger than [`SNAP`].
     pub closed: Vec<f64>,
-    /// What is left.
+    /// Ends that are left.
     pub loose: Vec<Loose>,
 }
 

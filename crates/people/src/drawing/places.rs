@@ -53,13 +53,13 @@ impl Ground {
         self.rings().filter(|ring| ring.contains(p)).count() % 2 == 1
     }
 
-    /// What is not ground, in words.
+    /// Returns what is not ground, in words.
     fn outside(&self) -> &'static str {
         if self.obstacles.is_empty() { "outside the walls" } else { "outside the walls or in obstacles" }
     }
 }
 
-/// What of an area is ground.
+/// Part of an area that is ground.
 struct Part {
     /// Of the area.
     share: f64,

@@ -1,4 +1,4 @@
-//! What lines of a drawing mean: walls, exits, where people stand, way-points.
+//! Meaning of the lines of a drawing: walls, exits, where people stand, way-points.
 
 use super::areas::{Areas, MOST_CORNERS, areas, corners};
 use super::collinear::without_overlaps;
@@ -65,11 +65,11 @@ pub struct FloorPlan {
     pub on_others: usize,
     /// \[m\] What was subtracted from all coordinates.
     pub origin: Vec2,
-    /// What was left out: layer and kind, with the number of each.
+    /// Entities that were left out: layer and kind, with the number of each.
     pub left_out: BTreeMap<(String, String), usize>,
     /// \[m²\] What people can walk on, of all areas, where outlines and obstacles met and it was calculated.
     pub ground: Option<f64>,
-    /// What is drawn as ground, and lies within other ground.
+    /// Areas that are drawn as ground, and lie within other ground.
     pub within: Vec<String>,
     /// Whether walkable areas or obstacles are drawn: a closed wall within another one is an obstacle then.
     pub has_areas: bool,

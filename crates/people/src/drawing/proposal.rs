@@ -19,7 +19,7 @@ const MOST_SAID: usize = 100;
 /// \[m\] Walls of a room are further away from a frame around it.
 const FRAME: f64 = 1.0;
 
-/// What a plan seems to be.
+/// Meaning that a plan seems to have.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proposal {
     /// Each layer without a role, and what its lines seem to be.
@@ -52,7 +52,7 @@ pub struct Proposal {
     pub flights: Vec<Flight>,
     /// Number of swings.
     pub swings: usize,
-    /// What is not clear.
+    /// Questions where something is not clear.
     pub questions: Vec<String>,
 }
 

@@ -22,7 +22,7 @@ const MOST_LEFT_OUT: usize = 100;
 /// A drawing that was read: what it means, and how it was understood.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Read {
-    /// What its lines mean.
+    /// Meaning of its lines.
     pub plan: FloorPlan,
     /// Layers without a meaning, of which [`PlanSettings::walls`] can choose; none where others have one.
     pub layers: Vec<String>,
@@ -162,7 +162,7 @@ impl Read {
         said
     }
 
-    /// What is probably another unit, and what is too far away.
+    /// Returns a doubt: probably another unit, or too far away.
     fn doubtful(&self) -> Option<(&'static str, String)> {
         let Bounds { low, high } = self.plan.bounds()?;
         let size = high - low;
@@ -187,7 +187,7 @@ impl Read {
         format!("{}: {closed} closed, {} open; {outline}", walls.len(), walls.len() - closed)
     }
 
-    /// What is other than in the drawing.
+    /// Adds what is other than in the drawing.
     fn changes(&self, said: &mut Vec<(&'static str, String)>) {
         let FloorPlan { joined, doubles, on_others, ground, .. } = &self.plan;
         if self.curves > 0 {

@@ -1,11 +1,11 @@
 //! What is on a layer, as its name says.
 
-/// What is on a layer, as its name says: `walkablearea-…`, `obstacles-…`, `exits-…`, `distributions-…`, `waypoints-…`.
+/// Role of a layer, by its name: `walkablearea-…`, `obstacles-…`, `exits-…`, `distributions-…`, `waypoints-…`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LayerRole {
     /// Outlines of where people walk.
     WalkableArea,
-    /// What stands there.
+    /// Obstacles.
     Obstacle,
     /// Lines or areas where people leave.
     Exit,
@@ -13,7 +13,7 @@ pub enum LayerRole {
     Distribution,
     /// Places to go to.
     Waypoint,
-    /// What JuPedSim has besides, such as journeys: it is left out.
+    /// Others of JuPedSim, such as journeys: they are left out.
     Unused,
 }
 

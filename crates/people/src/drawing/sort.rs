@@ -1,4 +1,4 @@
-//! What the lines of a layer seem to be: by the layer's name, else by how they lie.
+//! Sorts of the lines of a layer: by the layer's name, else by how they lie.
 
 use super::DrawnLine;
 use super::bands::{self, THICKNESS};
@@ -9,7 +9,7 @@ use lemons_core::plane::overlay;
 use lemons_core::plane::{Bounds, Vec2};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What lines of a layer are.
+/// Sort of the lines of a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Sort {
     /// Walls.
@@ -20,7 +20,7 @@ pub enum Sort {
     Window,
     /// Columns.
     Column,
-    /// What stands in the room.
+    /// Furniture.
     Furniture,
     /// Stairs, lifts.
     Stairs,
@@ -151,7 +151,7 @@ fn without_accent(letter: char) -> String {
 pub struct Layer {
     /// Its name in the drawing.
     pub name: String,
-    /// What its lines are.
+    /// Sort of its lines.
     pub sort: Sort,
     /// Whether its name says so; else how its lines lie.
     pub by_name: bool,
@@ -161,7 +161,7 @@ pub struct Layer {
     pub bounds: Bounds,
 }
 
-/// What each line and each layer is.
+/// Sorts of each line and each layer.
 pub(super) struct Sorted {
     pub layers: Vec<Layer>,
     /// Numbers of lines that are swings, stairs or axes, on whatever layer they are.

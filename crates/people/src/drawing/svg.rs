@@ -18,9 +18,9 @@ const LARGEST: usize = 16_000_000;
 const MOST_NODES: u32 = 1_000_000;
 /// More elements within each other are a mistake.
 const DEEPEST: usize = 100;
-/// What a style sheet may say of which areas and holes there are.
+/// Properties of style sheets that decide which areas and holes there are.
 const STYLES: [&str; 2] = ["fill-rule", "display"];
-/// What draws nothing where it stands.
+/// Elements that draw nothing where they stand.
 const SILENT: [&str; 15] = [
     "defs",
     "symbol",
@@ -159,7 +159,7 @@ fn length(element: Element, attribute: &str, otherwise: f64) -> Result<f64> {
 #[derive(Clone, Copy)]
 struct Layer<'a> {
     name: &'a str,
-    /// What the name says that it is.
+    /// Role by its name.
     role: Option<LayerRole>,
     filled: Filled,
 }

@@ -101,13 +101,13 @@ fn of_both([[men, sd_men], [women, sd_women]]: [[f64; 2]; 2]) -> [f64; 2] {
     [0.5 * (men + women), variance.sqrt()]
 }
 
-/// What the sources say of adults' measures, in the order of [`Measure::ALL`](crate::Measure::ALL).
+/// Adults' measures in the sources, in the order of [`BodyMeasure::ALL`](crate::BodyMeasure::ALL).
 fn surveyed() -> [[f64; 2]; 4] {
     let of = |sex, k: usize| [ansur(sex).measures[k].mean, ansur(sex).measures[k].sd];
     std::array::from_fn(|k| of_both(Sex::ALL.map(|sex| of(sex, k))))
 }
 
-/// What the growth charts say of stature and mass: the mean over the ages of the medians of boys and girls, and the
+/// Stature and mass by the growth charts: the mean over the ages of the medians of boys and girls, and the
 /// standard deviation of all, from the charts' quantiles.
 fn charted([from, to]: [f64; 2]) -> [[f64; 2]; 2] {
     let mut all = [Vec::new(), Vec::new()];

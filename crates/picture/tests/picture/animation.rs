@@ -1,4 +1,4 @@
-//! What decoders find in the animations.
+//! Animations, as decoders see them.
 
 use lemons_picture::*;
 use std::io::Cursor;

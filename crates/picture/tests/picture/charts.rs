@@ -1,4 +1,4 @@
-//! What is in the charts.
+//! Elements of the charts.
 
 use crate::common::{self, extent, labels};
 use lemons_picture::*;

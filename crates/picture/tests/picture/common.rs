@@ -59,7 +59,7 @@ pub fn number(node: Node, attribute: &str) -> f64 {
     node.attribute(attribute).unwrap().parse().unwrap()
 }
 
-/// What the lettering of a class says.
+/// Returns the lettering of a class.
 pub fn labels(document: &Document, name: &str) -> Vec<String> {
     class(document, name).iter().map(|n| n.attribute("aria-label").unwrap().to_owned()).collect()
 }

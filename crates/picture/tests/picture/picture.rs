@@ -1,4 +1,4 @@
-//! What is in the pictures.
+//! Elements of the pictures.
 
 use crate::common::{agent, disk, pedestrian, trial};
 use lemons_core::plane::{Vec2, rotation, vec2};

@@ -1,4 +1,4 @@
-//! Who crosses a line on the way from one place to another.
+//! Crossing of a line on the way from one place to another.
 
 use crate::shapes::FARTHEST;
 use lemons_core::plane::{Vec2, segments_touch, turn, vec2};
@@ -65,7 +65,7 @@ impl CountingLine {
     /// Returns how somebody crosses the line who goes straight from one place to another \[m\]; `None` who does not, or
     /// goes past one of its ends, or is at no finite place.
     ///
-    /// Who stands on the line is on its right. So whoever stops on it and goes on, or back, is not counted twice.
+    /// A person on the line is on its right. So whoever stops on it and goes on, or back, is not counted twice.
     pub fn crossing(&self, before: Vec2, after: Vec2) -> Option<Crossing> {
         let [from, to] = [before, after].map(|place| turn(self.from, self.to, place));
         if !(from - to).is_finite() {

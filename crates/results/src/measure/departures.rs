@@ -1,10 +1,10 @@
-//! Who has left, by any exit.
+//! People who have left, by any exit.
 
 use crate::Frame;
 use lemons_core::plane::{Bounds, Vec2};
 use serde::Serialize;
 
-/// Who has left so far. It is given all frames in the order of time.
+/// Finds people who have left. It is given all frames in the order of time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Departures {
     /// \[s\] Of each person who is gone, the first frame without it.
@@ -17,7 +17,7 @@ pub struct Departures {
     unseen: bool,
 }
 
-/// Who has left, at all exits together.
+/// Departures at all exits together.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Left {
     /// People who were gone at the end.

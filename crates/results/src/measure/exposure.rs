@@ -10,7 +10,7 @@ use crate::measure::{By, ROUNDING, squeeze};
 /// \[s\] The lengths of moving means.
 pub const SPANS: [f64; 3] = [0.1, 1.0, 10.0];
 
-/// What a person was exposed to.
+/// Exposure of a person to squeeze.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Exposed {
     /// \[s\] How long the person was there.

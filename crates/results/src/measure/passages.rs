@@ -1,4 +1,4 @@
-//! Who has crossed a line so far.
+//! People who have crossed a line so far.
 
 use crate::Frame;
 use crate::measure::crossing::{CountingLine, Crossing, Way};

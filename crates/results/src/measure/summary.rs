@@ -1,11 +1,11 @@
-//! What is told of lines and areas: numbers that do not depend on time.
+//! Summary of lines and areas: numbers that do not depend on time.
 
 use crate::measure::crossing::Way;
 use crate::measure::flow::Flow;
 use crate::measure::passages::Passages;
 use serde::Serialize;
 
-/// Who crossed a line in a direction. What is not known is `None`. The names of the fields are those of the numbers in
+/// Crossings of a line in a direction. What is not known is `None`. The names of the fields are those of the numbers in
 /// files.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Crossings {

@@ -34,7 +34,7 @@ impl TableFormat {
     }
 }
 
-/// What a table holds besides its rows.
+/// Content of a table besides its rows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TableContent {
     /// The first one is the time ([`Column::time`]).

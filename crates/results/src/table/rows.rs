@@ -55,7 +55,7 @@ pub(super) trait Cells {
 pub(super) struct Frames<'a, 'b> {
     path: &'a Path,
     each: &'a mut Each<'b>,
-    /// What is counted in the file: lines or rows.
+    /// Unit of the file's length: lines or rows.
     what: &'static str,
     groups: Groups,
     /// Quantities that are read, with their places in a row.

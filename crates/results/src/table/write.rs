@@ -106,7 +106,7 @@ impl<W: Write + Send + 'static> FrameWriter<W> {
     }
 }
 
-/// What the cells of an agent's row are. It is not generic, so that it is compiled (and optimised) in this crate.
+/// Cells of an agent's row. It is not generic, so that it is compiled (and optimised) in this crate.
 struct RowCells {
     /// Places in a [`Row`], and whether the cell is a real number.
     quantities: Vec<(usize, bool)>,

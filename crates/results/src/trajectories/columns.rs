@@ -17,7 +17,7 @@ const RATE_OF_STEPS: f64 = 25.0;
 /// Separators that are tried; `None` is white space.
 const SEPARATORS: [Option<u8>; 3] = [Some(b';'), Some(b','), None];
 
-/// What the rows of a table are.
+/// Meaning of the rows of a table.
 #[derive(Clone, Copy, PartialEq)]
 enum Rule {
     Positions,

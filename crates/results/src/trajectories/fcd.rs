@@ -17,7 +17,7 @@ use std::path::Path;
 const LONGEST: usize = 1 << 20;
 /// The largest number of elements in each other; files of SUMO have three.
 const DEEPEST: usize = 16;
-/// What an element has that is read.
+/// Attributes of an element that are read.
 type Attributes = [(&'static str, Option<String>); 4];
 
 /// Reads so many bytes until it is told to go on.

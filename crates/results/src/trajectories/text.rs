@@ -14,7 +14,7 @@ pub(super) const LARGEST: u64 = 4_000_000_000;
 /// \[bytes\] The longest line.
 const LONGEST_LINE: u64 = 65_536;
 
-/// What comments say.
+/// Information in comments.
 #[derive(Default)]
 struct Said {
     /// Units in a metre.

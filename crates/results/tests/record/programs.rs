@@ -36,7 +36,7 @@ fn times(record: &Record) -> Vec<f64> {
     record.times().collect()
 }
 
-/// What all ways in which SUMO writes it say.
+/// Checks what all ways in which SUMO writes it have in common.
 fn is_of_sumo(text: &str, angles: bool) {
     let (record, run) = read(text);
     assert_eq!(run.ids, ["ped.b", "ped a"], "{text}");

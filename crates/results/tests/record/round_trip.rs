@@ -29,7 +29,7 @@ fn pushed(at: &Path) -> Trial {
     trial
 }
 
-/// What the FMU does of 30 steps, and a world that did the same, after each.
+/// Records 30 steps by the FMU, and returns a world that did the same, after each.
 fn run(at: &Path, trial: &Trial) -> Vec<World> {
     let mut crowd = CrowdModel::load(Location::Path(at.join("trials").to_str().unwrap())).unwrap();
     crowd.set_texts(&[(CrowdQuantity::OutputDirectory, at.join("out").to_str().unwrap())]).unwrap();

@@ -286,7 +286,7 @@ fn a_first_frame_without_a_whole_number_is_told() {
     assert_eq!(Record::of_others(&path, &Told::default()).unwrap().every(2).lost_time(), None);
 }
 
-/// What goes into either format comes back, with its times.
+/// Exports in either format come back, with their times.
 #[test]
 fn exports_come_back() {
     let at = directory();

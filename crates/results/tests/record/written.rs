@@ -135,7 +135,7 @@ fn cut_off_parquet_is_refused() {
     }
 }
 
-/// What is not a crowd has other columns.
+/// Tables of other models than a crowd have other columns.
 #[test]
 fn tables_of_other_columns() {
     let directory = TempDir::new().unwrap();

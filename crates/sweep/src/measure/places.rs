@@ -116,7 +116,7 @@ impl InArea {
     }
 }
 
-/// What `lines`, `areas` and `walkable` of a `sweep.toml` say; the numbers are those of `lemons measure`.
+/// `lines`, `areas` and `walkable` of a `sweep.toml`; the numbers are those of `lemons measure`.
 #[derive(Debug, Clone, Default)]
 pub struct Places {
     /// With their names.

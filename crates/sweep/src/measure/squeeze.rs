@@ -8,14 +8,14 @@ use serde::Deserialize;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SqueezeMeasure {
-    /// What of it.
+    /// Statistic of it.
     pub squeeze: What,
     /// \[s\] For [`What::LargestMean`]: 0.1, 1 or 10. For [`What::TimeAbove`]: of the means that are compared with
     /// the level; else they are those of communication steps.
     pub over: Option<f64>,
     /// \[N\] For [`What::TimeAbove`].
     pub level: Option<f64>,
-    /// What presses them; both if it is missing.
+    /// Agents or walls that press them; both if it is missing.
     pub by: Option<By>,
     /// Ids of agents in Agents.xml; empty: all agents.
     #[serde(default)]
@@ -28,7 +28,7 @@ pub struct SqueezeMeasure {
     pub until: Option<f64>,
 }
 
-/// What somebody was exposed to.
+/// Statistic of what somebody was exposed to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum What {

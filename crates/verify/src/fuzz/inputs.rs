@@ -126,7 +126,7 @@ pub fn trajectories(data: &[u8]) {
     }
 }
 
-/// Who was where, in the frames with anybody.
+/// Returns where people were, in the frames with anybody.
 fn places(record: &Record) -> Vec<Vec<(usize, Vec2)>> {
     let mut all = Vec::new();
     let read = record.each(|_, frame| {

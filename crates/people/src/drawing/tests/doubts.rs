@@ -1,4 +1,4 @@
-//! What is doubted: units, and outlines.
+//! Doubts about units, and outlines.
 
 use super::*;
 

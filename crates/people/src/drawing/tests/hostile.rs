@@ -1,4 +1,4 @@
-//! What is no drawing, damaged, or too large.
+//! Files that are no drawing, damaged, or too large.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! What names of layers say.
+//! Names of layers.
 
 use super::*;
 

@@ -127,7 +127,7 @@ impl PlanBuilder {
 /// An opening of a wall: from and to along the side, and whether it is a window.
 type Cut = (f64, f64, bool);
 
-/// What is known by hand.
+/// Values that are known by hand.
 pub(super) struct ExpectedPlan {
     pub dxf: String,
     /// \[m²\] Within walls, and what obstacles take of it.

@@ -1,4 +1,4 @@
-//! What is written, read again.
+//! Drawings that are written, read again.
 
 use super::*;
 use lemons_core::trial::{Geometry, Wall};
