@@ -55,13 +55,13 @@ impl BodyKinematics {
         self.turn = rotation(orientation);
     }
 
-    /// Returns the vector \[m\] from the centre of mass to the centre of a disk, from its [`super::Disk::offset`].
+    /// Returns the vector \[m\] from the centre of mass to the centre of a disk, from its [`super::ContactDisk::offset`].
     #[inline]
     pub fn arm(&self, offset: Vec2) -> Vec2 {
         self.turn * offset
     }
 
-    /// Returns the centre \[m\] of a disk, from its [`super::Disk::offset`].
+    /// Returns the centre \[m\] of a disk, from its [`super::ContactDisk::offset`].
     #[inline]
     pub fn centre(&self, offset: Vec2) -> Vec2 {
         self.position + self.arm(offset)

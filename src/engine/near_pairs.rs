@@ -33,9 +33,9 @@ pub(super) struct DiskPair {
     pub first_body: BodyId,
     /// Body of the other disk; it has a higher index.
     pub second_body: BodyId,
-    /// \[m\] [`super::Disk::offset`] of the receiver's disk.
+    /// \[m\] [`super::ContactDisk::offset`] of the receiver's disk.
     pub first_offset: Vec2,
-    /// \[m\] [`super::Disk::offset`] of the other disk.
+    /// \[m\] [`super::ContactDisk::offset`] of the other disk.
     pub second_offset: Vec2,
     /// \[m\] Sum of the radii.
     pub reach: f64,

@@ -3,7 +3,7 @@
 //! - [`Document`]: a text from outside, parsed safely: UTF-8, no document type, so many attributes, namespaces and nodes
 //! - [`Element`]: what is in it, with line numbers
 //! - [`Problem`]: what is wrong, with file, line, element, attribute and value, on one line of text
-//! - [`Out`]: a document that is written; [`decimal`], [`number`]: numbers read and written
+//! - [`XmlWriter`]: a document that is written; [`decimal`], [`number`]: numbers read and written
 //!
 //! A reader that stops at the first problem returns it ([`Result`]); one that collects all of them pushes each.
 

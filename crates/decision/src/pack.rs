@@ -40,7 +40,7 @@ pub fn description(plan: &Plan, format: FmuFormat) -> String {
 /// Writes the FMU of a plan for the people of a Trial.
 ///
 /// # Errors
-/// A binary cannot be read, or the FMU cannot be written; see [`PackError`].
+/// A binary cannot be read, or the FMU cannot be written; see [`PlanPackError`].
 pub fn write_fmu(
     trial: &Trial,
     plan: &Plan,

@@ -3,7 +3,7 @@
 //! An FMU simulates a [`Model`]. Everything else that FMI requires is here. The modules; each imports only from
 //! those above it:
 //!
-//! - [`Version`], [`Format`]: the versions of FMI, and what can be chosen when an FMU is written
+//! - [`Version`], [`FmuFormat`]: the versions of FMI, and what can be chosen when an FMU is written
 //! - [`variables`]: the rows of a model's table: name, type, causality, unit, domain, sizes; their elements (FMI 2.0)
 //! - [`lifecycle`]: the states of an instance, and in which of them a version of FMI allows a function
 //! - [`Answer`], [`Refusal`]: what calls return, or why not

@@ -39,7 +39,7 @@ impl VariableType {
     }
 }
 
-/// A [`Kind`] without what it measures.
+/// A [`VariableType`] without what it measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)] // FMI's own names
 pub enum BaseType {

@@ -1,7 +1,7 @@
 //! A master for FMUs of FMI 2.0 and 3.0.
 //!
-//! It knows of an FMU only its model description, and couples several FMUs by SSP ([`ssp`]). [`Settings`] say what is run and how;
-//! [`Prepared`] is a run of an FMU or an SSP that is ready, with an example.
+//! It knows of an FMU only its model description, and couples several FMUs by SSP ([`ssp`]). [`RunSettings`] say what is run and how;
+//! [`PreparedSystem`] is a run of an FMU or an SSP that is ready, with an example.
 
 mod assemble;
 mod bundled_library;

@@ -71,7 +71,7 @@ impl PreparedSystem {
     /// Prepares a run.
     ///
     /// # Errors
-    /// A setting is outside of its domain ([`Settings`]), the settings do not fit together or to the input, or the
+    /// A setting is outside of its domain ([`RunSettings`]), the settings do not fit together or to the input, or the
     /// input, the drive or the saved run is wrong.
     pub fn of(settings: &RunSettings) -> Result<PreparedSystem> {
         let (before, states) = settings.saved()?.unzip();

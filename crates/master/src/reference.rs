@@ -27,7 +27,7 @@ pub struct Experiment {
     pub until: Option<f64>,
     /// \[s\] The communication step. Default: that of the FMU's DefaultExperiment.
     pub step: Option<f64>,
-    /// The tolerance that the FMU gets: see [`Settings::tolerance`](crate::Settings::tolerance).
+    /// The tolerance that the FMU gets: see [`RunSettings::tolerance`](crate::RunSettings::tolerance).
     pub tolerance: Option<f64>,
 }
 

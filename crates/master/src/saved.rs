@@ -22,7 +22,7 @@ const LARGEST_RUN: u64 = 4_000_000;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedRun {
-    /// [`Saved::FORMAT`]
+    /// [`SavedRun::FORMAT`]
     pub format: u32,
     /// The builds of the program that wrote it ([`writers`]). For people: a run goes on with any build that knows the
     /// format.

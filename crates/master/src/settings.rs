@@ -8,7 +8,7 @@ use lemons_core::trial::{DriveChoice, DriveTable};
 use lemons_sim::{Algorithm, Clock, lint};
 use std::path::{Path, PathBuf};
 
-/// Settings of a run: all that somebody has to say of a run. See [`Prepared::of`](crate::Prepared::of).
+/// Settings of a run: all that somebody has to say of a run. See [`PreparedSystem::of`](crate::PreparedSystem::of).
 #[derive(Debug, Clone, Default)]
 pub struct RunSettings {
     /// A Trial (its directory, or a zip of it), an FMU, or an SSP (by its extension).

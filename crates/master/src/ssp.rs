@@ -3,7 +3,7 @@
 //! - [`SystemStructure`]: what `SystemStructure.ssd` says, checked: connections lead from an output to an input
 //! - [`Interface`]: what an FMU of FMI 2.0 or 3.0 says of itself: its variables and units, its names and abilities
 //! - [`connect`]: interfaces -> the structure that connects equal names
-//! - [`Archive`], [`write_archive`]: the `.ssp`
+//! - [`ArchiveReader`], [`write_archive`]: the `.ssp`
 //! - [`Allowance`]: how much an archive may unpack to
 //!
 //! Served of the standard: components that are FMUs for co-simulation, connections with unit conversion and

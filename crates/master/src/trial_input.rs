@@ -105,7 +105,7 @@ impl TrialInput {
     /// people walk, as the user knows it.
     ///
     /// # Errors
-    /// The Trial, its drive or its plan has errors: [`Error::Broken`] where these are files of the Trial.
+    /// The Trial, its drive or its plan has errors: [`MasterError::Broken`] where these are files of the Trial.
     pub fn documents(
         &self,
         drive: &DriveChoice,
@@ -168,7 +168,7 @@ pub fn documents_of(
 /// drive is read when it is used, and checked before.
 ///
 /// # Errors
-/// [`Error::Broken`] if a Trial has errors, with the names of files that the user knows; else [`PackError`].
+/// [`MasterError::Broken`] if a Trial has errors, with the names of files that the user knows; else [`PackError`].
 pub fn pack(
     trials: &[TrialInput],
     binaries: Vec<Binary>,

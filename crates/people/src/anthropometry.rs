@@ -62,9 +62,9 @@ impl MeasureStatistics {
 pub struct SexStatistics {
     /// Number of people who were measured.
     pub count: u32,
-    /// The measures, in the order of [`Measure::ALL`].
+    /// The measures, in the order of [`BodyMeasure::ALL`].
     pub measures: [MeasureStatistics; 4],
-    /// Spearman's rank correlations, in the order of [`Measure::ALL`].
+    /// Spearman's rank correlations, in the order of [`BodyMeasure::ALL`].
     pub spearman: Correlations,
 }
 

@@ -75,7 +75,7 @@ impl BodyPart {
     }
 }
 
-/// \[m, m, m, kg\] Smallest and largest measures of a body, in the order of [`Measure::ALL`]. The ranges are wider than
+/// \[m, m, m, kg\] Smallest and largest measures of a body, in the order of [`BodyMeasure::ALL`]. The ranges are wider than
 /// those of any custom statistics of the paper.
 const LIMITS: [(f64, f64); 4] = [(0.25, 0.8), (0.1, 0.5), (1.0, 2.5), (20.0, 250.0)];
 
@@ -91,7 +91,7 @@ const SMALL: f64 = 1.35;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body3d {
     person: Person,
-    /// Of each part, in the order of [`Part::ALL`], from low to high. Two rings at the same altitude are a flat step.
+    /// Of each part, in the order of [`BodyPart::ALL`], from low to high. Two rings at the same altitude are a flat step.
     rings: [Vec<Ring>; 5],
 }
 

@@ -5,10 +5,10 @@ use crate::random::Random;
 use lemons_core::distribution::{bisected, cumulative};
 use nalgebra::{Matrix4, Vector4};
 
-/// Number of correlated measures: those of [`crate::Measure::ALL`].
+/// Number of correlated measures: those of [`crate::BodyMeasure::ALL`].
 const N: usize = 4;
 
-/// A symmetric matrix of correlations in the order of [`crate::Measure::ALL`].
+/// A symmetric matrix of correlations in the order of [`crate::BodyMeasure::ALL`].
 pub type Correlations = [[f64; N]; N];
 
 /// Draws correlated ranks.

@@ -117,7 +117,7 @@ fn replace<const N: usize>(defaults: &mut [TruncatedNormal; N], wanted: [Wanted;
 }
 
 impl Custom {
-    /// Reads the text of a file. [`Source::custom`](crate::Source::custom) checks that people can be drawn.
+    /// Reads the text of a file. [`PopulationSource::custom`](crate::PopulationSource::custom) checks that people can be drawn.
     ///
     /// # Errors
     /// The text is not TOML, has unknown keys, or values of the wrong type; with line and column.

@@ -1,6 +1,6 @@
 //! Rooms from drawings of other programs: DXF, GeoJSON, well-known text, SVG.
 //!
-//! [`Drawing::read`] turns a file into [`Line`]s in metres, each on a layer; curves become straight pieces. [`Plan::of`]
+//! [`Drawing::read`] turns a file into [`DrawnLine`]s in metres, each on a layer; curves become straight pieces. [`FloorPlan::of`]
 //! says what they mean: walls, exits, where people stand, way-points. [`write_plan`] writes a plan back.
 //!
 //! The group codes of DXF are read by our own code (DESIGN.md, "Libraries", says why).

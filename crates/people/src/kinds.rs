@@ -42,7 +42,7 @@ pub enum BodyStatistics {
     Child,
 }
 
-/// Origin from which the disks of a [`Part`] are measured.
+/// Origin from which the disks of a [`KindPart`] are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PartOrigin {

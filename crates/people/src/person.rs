@@ -88,12 +88,12 @@ pub struct Person {
 }
 
 impl Person {
-    /// Makes a person from measures in the order of [`Measure::ALL`].
+    /// Makes a person from measures in the order of [`BodyMeasure::ALL`].
     pub fn from_measures(sex: Sex, [breadth, depth, stature, mass]: [f64; 4]) -> Person {
         Person { sex, breadth, depth, stature, mass }
     }
 
-    /// Returns the measures in the order of [`Measure::ALL`].
+    /// Returns the measures in the order of [`BodyMeasure::ALL`].
     pub fn measures(&self) -> [f64; 4] {
         [self.breadth, self.depth, self.stature, self.mass]
     }

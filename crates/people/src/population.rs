@@ -50,9 +50,9 @@ impl PopulationSource {
 /// Custom statistics for one sex.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CustomMeasures {
-    /// Distributions \[m, kg\] of the measures, in the order of [`Measure::ALL`].
+    /// Distributions \[m, kg\] of the measures, in the order of [`BodyMeasure::ALL`].
     pub measures: [TruncatedNormal; 4],
-    /// Spearman's rank correlations between them, in the order of [`Measure::ALL`]. Where no four measures can have all
+    /// Spearman's rank correlations between them, in the order of [`BodyMeasure::ALL`]. Where no four measures can have all
     /// of these, all are weakened by one common factor, as little as possible.
     pub spearman: Correlations,
 }

@@ -15,7 +15,7 @@ use std::path::Path;
 /// \[kg/m²\] About that of the survey's mean man and woman.
 const USUAL_INDEX: f64 = 26.0;
 
-/// The columns, in the order of [`Measure::ALL`], each with the number of its units in an SI unit.
+/// The columns, in the order of [`BodyMeasure::ALL`], each with the number of its units in an SI unit.
 const COLUMNS: [(&str, f64); 4] =
     [("bideltoidbreadth", 1000.0), ("chestdepth", 1000.0), ("stature", 1000.0), ("weightkg", 10.0)];
 

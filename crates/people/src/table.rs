@@ -36,7 +36,7 @@ pub struct KindStatistics {
     pub count: usize,
     /// Fraction of the whole crowd, 0…1.
     pub proportion: f64,
-    /// Statistics of each measure, in the order of [`Measure::ALL`]; then those of all that a member is, and of its
+    /// Statistics of each measure, in the order of [`BodyMeasure::ALL`]; then those of all that a member is, and of its
     /// bicycle, [`BICYCLE_MEASURES`].
     pub measures: Vec<MeasureSummary>,
 }

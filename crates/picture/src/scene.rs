@@ -52,7 +52,7 @@ pub struct PlaceMark {
 
 /// Walls, and bodies at poses.
 ///
-/// For a movie: make one scene, fix [`Scene::view`] at the first frame, and set new `poses` for every frame.
+/// For a movie: make one scene, fix [`PictureScene::view`] at the first frame, and set new `poses` for every frame.
 #[derive(Debug, Clone)]
 pub struct PictureScene<'a> {
     /// Walls and shapes.

@@ -16,7 +16,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyBytes, PyFloat, PyInt, PyString};
 
-/// A simulation of a [`Model`]: values by the names of the FMU's variables, steps, states.
+/// A simulation of a [`PyModel`]: values by the names of the FMU's variables, steps, states.
 #[pyclass(name = "Simulation", module = "lemons_fmu._native")]
 pub struct PySimulation {
     pub(crate) simulation: lemons_sim::Simulation,

@@ -246,7 +246,7 @@ impl Groups {
         }
     }
 
-    /// Returns the quantities in the order of the columns, with their places in a [`Row`].
+    /// Returns the quantities in the order of the columns, with their places in a [`AgentRow`].
     pub(crate) fn quantities(self) -> impl Iterator<Item = (usize, &'static RecordedQuantity)> {
         QUANTITIES.iter().enumerate().filter(move |(_, quantity)| self.has(quantity.group))
     }

@@ -1,6 +1,6 @@
 //! Measures of a run: who crosses a line and when ([`CountingLine`], [`Passages`], [`Flow`]), how dense a crowd is in an
-//! area ([`Room`], [`MeasuringArea`]), how long and how hard people are squeezed ([`Exposure`], [`MovingMeans`]) and where
-//! ([`SqueezeMap`]), how people keep their balance ([`Balance`]).
+//! area ([`VoronoiRoom`], [`MeasuringArea`]), how long and how hard people are squeezed ([`SqueezeOverTime`], [`MovingMeans`]) and where
+//! ([`SqueezeMap`]), how people keep their balance ([`BalanceOverTime`]).
 //!
 //! Frames are given one after the other, in the order of time; nothing here keeps them. docs/measure.md defines each
 //! number. SI units.

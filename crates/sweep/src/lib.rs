@@ -2,7 +2,7 @@
 //! its people walk, or of several Trials.
 //!
 //! A [`Spec`] (`sweep.toml`) gives the model, the values of the parameters and the measures. [`sweep`] simulates the
-//! points that are not yet in its [`Table`] and appends their results as they finish; a sweep that was killed goes on
+//! points that are not yet in its [`SweepTable`] and appends their results as they finish; a sweep that was killed goes on
 //! there.
 
 mod accumulators;

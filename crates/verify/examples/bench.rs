@@ -1,4 +1,4 @@
-//! What a mechanical step costs, and what the FMU adds:
+//! Costs of a mechanical step, and what the FMU adds:
 //!
 //! `cargo run --release -p lemons-verify --features bench --example bench -- [--only TEXT] [--runs N] [--threads N]`
 

@@ -94,7 +94,7 @@ impl RunSource {
         Ok(Opened { trial, run, bodies })
     }
 
-    /// Opens it as [`Source::open`] with all frames; those of earlier results stay in their file.
+    /// Opens it as [`RunSource::open`] with all frames; those of earlier results stay in their file.
     pub fn record_of(&self, until: Option<Until>, interrupt: &Interrupt) -> Result<(Option<Trial>, Record)> {
         let (trial, found) = self.find(until, KeptFrames::All, interrupt)?;
         let record = match found {
@@ -195,7 +195,7 @@ impl RunSource {
         Ok(None)
     }
 
-    /// Opens it as [`Source::open`], with shapes and walls.
+    /// Opens it as [`RunSource::open`], with shapes and walls.
     pub fn trial_run(
         &self,
         until: Option<Until>,

@@ -13,10 +13,10 @@ pub trait FileSource: std::fmt::Debug {
     /// The file cannot be read, is not a regular file, or is larger.
     fn read(&self, path: &Path, largest: u64) -> io::Result<Vec<u8>>;
 
-    /// Returns the UTF-8 text of a file; else as [`Source::read`].
+    /// Returns the UTF-8 text of a file; else as [`FileSource::read`].
     ///
     /// # Errors
-    /// Those of [`Source::read`], or the file is not UTF-8 text.
+    /// Those of [`FileSource::read`], or the file is not UTF-8 text.
     fn read_text(&self, path: &Path, largest: u64) -> io::Result<String> {
         input::text(self.read(path, largest)?)
     }

@@ -25,7 +25,7 @@ pub enum InsideRule {
     NonZero,
 }
 
-/// Returns what is inside of the contours ([`Fill::NonZero`]).
+/// Returns what is inside of the contours ([`InsideRule::NonZero`]).
 pub fn union(contours: &[Contour]) -> Polygons {
     overlay(contours, &[], OverlayRule::Subject, InsideRule::NonZero, OverlayOptions::default())
 }
@@ -40,7 +40,7 @@ pub fn difference(one: &[Contour], other: &[Contour], fill: InsideRule) -> Polyg
     overlay(one, other, OverlayRule::Difference, fill, OverlayOptions::default())
 }
 
-/// Returns what is inside of the first and not of the other ([`Fill::NonZero`]), parted where it hangs together in a point
+/// Returns what is inside of the first and not of the other ([`InsideRule::NonZero`]), parted where it hangs together in a point
 /// only: no contour touches itself.
 pub(super) fn parted(one: &[Contour], other: &[Contour]) -> Polygons {
     overlay(one, other, OverlayRule::Difference, InsideRule::NonZero, OverlayOptions::ogc())

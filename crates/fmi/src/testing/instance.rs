@@ -1,6 +1,6 @@
 //! An instance of FMI 2.0 or 3.0 as an importer holds it: the same calls for both versions, and its messages.
 //!
-//! Arrays are as long as said. [`Instance::nulls`] leaves out pointers of the calls that follow.
+//! Arrays are as long as said. [`TestInstance::nulls`] leaves out pointers of the calls that follow.
 
 #![allow(clippy::not_unsafe_ptr_arg_deref)] // states are given as the importer holds them
 
@@ -486,7 +486,7 @@ impl TestInstance {
         call!(self, fmi2DeSerializeFMUstate / fmi3DeserializeFMUState, from, bytes.len(), to)
     }
 
-    /// A state that must be given back with [`Instance::free`].
+    /// A state that must be given back with [`TestInstance::free`].
     #[track_caller]
     pub fn save(&self) -> *mut c_void {
         let mut state = null_mut();
@@ -520,7 +520,7 @@ impl TestInstance {
         bytes
     }
 
-    /// Goes back to what [`Instance::bytes`] gave; the first status that is not `Ok`.
+    /// Goes back to what [`TestInstance::bytes`] gave; the first status that is not `Ok`.
     pub fn restore(&self, bytes: &[u8]) -> Status {
         let mut state = null_mut();
         let status = self.deserialize(bytes, &mut state);

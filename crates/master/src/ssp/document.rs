@@ -169,7 +169,7 @@ impl FmiType {
 pub struct Port {
     /// Its place in [`SystemStructure::components`].
     pub component: usize,
-    /// Its name among [`Component::connectors`].
+    /// Its name among [`SspComponent::connectors`].
     pub connector: String,
     /// SSP 2.0: the element of an array, by indices from 1; empty for all of it.
     pub indices: Vec<usize>,

@@ -30,7 +30,7 @@ impl Affine {
 pub struct SspUnit {
     /// As connectors name it.
     pub name: String,
-    /// Exponents in the order of [`Unit::BASE`].
+    /// Exponents in the order of [`SspUnit::BASE`].
     pub exponents: [i32; 8],
     /// Base units per unit.
     pub factor: f64,

@@ -220,7 +220,7 @@ fn shift(part: &mut MeshPart, by: Vec2) {
     }
 }
 
-/// Bends the parts of a standing body, in the order of [`super::Part::ALL`], so that it sits at a height \[m\].
+/// Bends the parts of a standing body, in the order of [`super::BodyPart::ALL`], so that it sits at a height \[m\].
 fn sit(parts: &mut [MeshPart], stature: f64, seat: f64) {
     let [trunk, arms @ .., left, right] = parts else { return };
     let low = trunk.vertices.iter().fold(f64::MAX, |low, place| low.min(place[2]));

@@ -1,4 +1,4 @@
-//! What walls and obstacles of an architect's plan enclose, and the lines that are made of it.
+//! Ground that walls and obstacles of an architect's plan enclose, and the lines that are made of it.
 //!
 //! [`sort`](super::sort) says what layers and lines are, [`pieces`](super::pieces) mends the ends of walls,
 //! [`bands`](super::bands) finds gaps and what is enclosed, obstacles are cut out.

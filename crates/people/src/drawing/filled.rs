@@ -1,4 +1,4 @@
-//! What is filled of a path of several parts: rims and holes.
+//! Filled parts of a path of several parts: rims and holes.
 
 use crate::error::{Result, require};
 use lemons_core::plane::overlay::{self, Contour, InsideRule, contour};

@@ -270,7 +270,7 @@ impl FloorPlan {
         exits.map(|(k, exit)| (k, door(&exit.corners))).filter(|(_, door)| door.width > 0.0).collect()
     }
 
-    /// Adds an exit where a door is: the part of the nearest closed wall that it takes, which [`Plan::doors`] finds.
+    /// Adds an exit where a door is: the part of the nearest closed wall that it takes, which [`FloorPlan::doors`] finds.
     ///
     /// # Errors
     /// There is no closed wall, it is further away than the door is wide, or the door goes round a corner.

@@ -1,6 +1,6 @@
-//! What an architect's plan seems to be: proposals and questions.
+//! Proposals and questions for an architect's plan.
 //!
-//! [`Plan::of`](super::Plan::of) takes the rims of what walls [enclose](super::enclosing) as walls; [`Proposal`] says what it
+//! [`FloorPlan::of`](super::FloorPlan::of) takes the rims of what walls [enclose](super::enclosing) as walls; [`Proposal`] says what it
 //! would take, and asks.
 
 use super::Drawing;

@@ -47,7 +47,7 @@ impl Read {
     /// Reads the content of a file.
     ///
     /// # Errors
-    /// Those of [`Drawing::read`] and [`Plan::of`].
+    /// Those of [`Drawing::read`] and [`FloorPlan::of`].
     pub fn of(
         format: DrawingFormat,
         bytes: &[u8],

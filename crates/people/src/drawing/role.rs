@@ -1,4 +1,4 @@
-//! What is on a layer, as its name says.
+//! Roles of layers, by their names.
 
 /// Role of a layer, by its name: `walkablearea-…`, `obstacles-…`, `exits-…`, `distributions-…`, `waypoints-…`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -108,7 +108,7 @@ impl<W: Write + Send + 'static> FrameWriter<W> {
 
 /// Cells of an agent's row. It is not generic, so that it is compiled (and optimised) in this crate.
 struct RowCells {
-    /// Places in a [`Row`], and whether the cell is a real number.
+    /// Places in a [`AgentRow`], and whether the cell is a real number.
     quantities: Vec<(usize, bool)>,
 }
 

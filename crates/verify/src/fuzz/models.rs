@@ -158,7 +158,7 @@ impl Fmu {
 fn crowd_output_directory(content: &[u8]) -> Option<String> {
     /// Phase, time, experiment, sizes.
     type OfSlave = (u32, f64, Option<(f64, Option<f64>)>, Vec<u64>);
-    /// Beginning of `model::Saved`: Trial, fingerprint, settings, whether it plays, threads, most steps, intermediate steps.
+    /// Beginning of `model::SavedCrowd`: Trial, fingerprint, settings, whether it plays, threads, most steps, intermediate steps.
     type Before = (String, u128, BTreeMap<(CrowdQuantity, usize), f64>, bool, i32, f64, i32);
     let (_, rest) = postcard::take_from_bytes::<(OfSlave, Before)>(content).ok()?;
     Some(postcard::take_from_bytes(rest).ok()?.0)
