@@ -235,9 +235,9 @@ mod tests {
     #[track_caller]
     fn says(trial: &Trial, words: &[&str]) {
         let advice = Setup::of(trial).advice(&FileNames::default());
-        let said: Vec<String> = advice.iter().map(ToString::to_string).collect();
-        assert_eq!(said.len(), usize::from(!words.is_empty()), "{said:?}");
-        assert!(words.iter().all(|word| said[0].contains(word)), "{said:?}");
+        let messages: Vec<String> = advice.iter().map(ToString::to_string).collect();
+        assert_eq!(messages.len(), usize::from(!words.is_empty()), "{messages:?}");
+        assert!(words.iter().all(|word| messages[0].contains(word)), "{messages:?}");
     }
 
     /// Checks that one of the warnings has these words.

@@ -299,16 +299,20 @@ mod tests {
         trial.geometry.walls.push(wall);
     }
 
-    fn said(trial: &Trial) -> Vec<String> {
+    fn messages(trial: &Trial) -> Vec<String> {
         Setup::of(trial).advice_as_edited().iter().map(ToString::to_string).collect()
     }
 
     /// Checks that one doubt has all these words, which are between "…"; no words: there is no doubt.
     #[track_caller]
     fn says(trial: &Trial, words: &str) {
-        let said = said(trial);
-        let found = said.iter().filter(|line| words.split(" … ").all(|words| line.contains(words)));
-        assert_eq!((said.len(), found.count()), (usize::from(!words.is_empty()), said.len()), "{said:?}");
+        let messages = messages(trial);
+        let found = messages.iter().filter(|line| words.split(" … ").all(|words| line.contains(words)));
+        assert_eq!(
+            (messages.len(), found.count()),
+            (usize::from(!words.is_empty()), messages.len()),
+            "{messages:?}"
+        );
     }
 
     #[test]
@@ -349,7 +353,7 @@ mod tests {
         add_wall(&mut trial, "pillar", &[(2.5, 1.7), (3.1, 1.7), (3.1, 2.3), (2.5, 2.3), (2.5, 1.7)]);
         let words =
             "\"2\" stands inside the closed wall \"pillar\", around which 4 others stand: is it a pillar?";
-        assert!(said(&trial).join("\n").contains(words));
+        assert!(messages(&trial).join("\n").contains(words));
         trial.dynamics[2].position = vec2(2.8, 3.0);
         says(&trial, "");
     }
@@ -409,7 +413,7 @@ mod tests {
         scale_places(&mut trial);
         says(&trial, "the walls span 600.000 m × 400.000 m");
         scale_walls(&mut trial, 1e-5);
-        assert!(said(&trial)[0].contains("less than an agent"), "{:?}", said(&trial));
+        assert!(messages(&trial)[0].contains("less than an agent"), "{:?}", messages(&trial));
 
         let mut trial = room();
         for (agent, place) in trial.agents.iter_mut().zip(0..) {
@@ -421,10 +425,10 @@ mod tests {
             trial.dynamics[place].position = vec2(200.0 * place as f64, 0.0);
         }
         trial.geometry.walls.clear();
-        let said = said(&trial);
+        let messages = messages(&trial);
         let words = " m wide (5 agents in all): are Radius and Position of its shapes in metres?";
-        assert!(said.len() == 2 && said[1].contains(words), "{said:?}");
-        assert!(said[0].contains("is it in kg cm² (1.85 kg m²)?"), "{said:?}");
+        assert!(messages.len() == 2 && messages[1].contains(words), "{messages:?}");
+        assert!(messages[0].contains("is it in kg cm² (1.85 kg m²)?"), "{messages:?}");
     }
 
     #[test]
@@ -472,7 +476,7 @@ mod tests {
         says(&trial, "agent \"1\" … 222.2 kg/m²:");
         // A loaded bicycle goes along.
         trial.agents[1].shapes[0].material_id = trial.geometry.walls[0].material_id.clone();
-        assert!(said(&trial).iter().all(|line| !line.contains("kg/m²")));
+        assert!(messages(&trial).iter().all(|line| !line.contains("kg/m²")));
     }
 
     /// A value of each attribute in another unit, with that unit and the value that is meant: the person's own.
@@ -532,9 +536,9 @@ mod tests {
             change(&mut trial);
             // Before the engine's own checks, which say something else of such values.
             let unusual: Vec<_> = Setup::of(&trial).unusual(&FileNames::default()).collect();
-            let said: Vec<String> = unusual.iter().map(ToString::to_string).collect();
-            let found = said.iter().filter(|line| words.split(" … ").all(|words| line.contains(words)));
-            assert_eq!(found.count(), 1, "{words}: {said:?}");
+            let messages: Vec<String> = unusual.iter().map(ToString::to_string).collect();
+            let found = messages.iter().filter(|line| words.split(" … ").all(|words| line.contains(words)));
+            assert_eq!(found.count(), 1, "{words}: {messages:?}");
         }
     }
 }

@@ -219,16 +219,16 @@ mod tests {
 
     #[test]
     fn drives_in_other_units_are_doubted() {
-        let said = |rows: &str| {
+        let messages = |rows: &str| {
             let text = format!("t,agent,Fp.x,Fp.y,Mp\n{rows}");
             doubts_of_drive(&DriveTable::from_csv(text.as_bytes()).unwrap())
         };
         // Somebody who pushes for ten minutes.
-        assert_eq!(said("0,a,0,0,0\n0.3,a,600,-100,9\n0.6,a,0,0,0\n1,b,50,0,0\n600,b,50,0,0\n"), [""; 0]);
+        assert_eq!(messages("0,a,0,0,0\n0.3,a,600,-100,9\n0.6,a,0,0,0\n1,b,50,0,0\n600,b,50,0,0\n"), [""; 0]);
         // As our pulses end.
-        assert_eq!(said("0,a,0,0,0\n0.3,a,600,0,0\n0.6,a,0,0,0\n1e6,a,0,0,0\n"), [""; 0]);
+        assert_eq!(messages("0,a,0,0,0\n0.3,a,600,0,0\n0.6,a,0,0,0\n1e6,a,0,0,0\n"), [""; 0]);
         // The same beside what drives them always.
-        assert_eq!(said("0,a,5,0,0\n0.3,a,600,0,0\n0.6,a,5,0,0\n1e6,a,5,0,0\n"), [""; 0]);
+        assert_eq!(messages("0,a,5,0,0\n0.3,a,600,0,0\n0.6,a,5,0,0\n1e6,a,5,0,0\n"), [""; 0]);
         for (rows, words) in [
             (
                 "0,a,0,0,0\n0.3,a,0,-1e6,0\n0.6,a,0,0,0\n",
@@ -244,8 +244,8 @@ mod tests {
                 "t=\"5000.0\": last row: at most 3600 s is usual, because hardly a run is longer: is it in ms (5 s)?",
             ),
         ] {
-            let said = said(rows);
-            assert!(said.len() == 1 && said[0].starts_with(words), "{said:?}");
+            let messages = messages(rows);
+            assert!(messages.len() == 1 && messages[0].starts_with(words), "{messages:?}");
         }
     }
 }

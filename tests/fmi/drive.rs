@@ -210,8 +210,8 @@ fn a_state_knows_whom_it_drives_and_when() {
         }
         // The push of another Trial would be another future.
         let other = Crowd::on(version, &Resources::new());
-        let said = other.refused(other.restore(&state));
-        assert!(said.contains("\"Trial_push\" has changed"), "{said}");
+        let message = other.refused(other.restore(&state));
+        assert!(message.contains("\"Trial_push\" has changed"), "{message}");
     }
 }
 
@@ -237,8 +237,8 @@ fn each_trial_has_its_own() {
     let crowd = Crowd::on(V2, &resources);
     choose("Trial_wrong")(&crowd);
     crowd.enter_initialization();
-    let said = crowd.refused(crowd.exit());
-    assert!(said.contains("drive.csv:2: Fp.x=\"x\": not a finite number"), "{said}");
+    let message = crowd.refused(crowd.exit());
+    assert!(message.contains("drive.csv:2: Fp.x=\"x\": not a finite number"), "{message}");
     silent(&crowd);
     crowd.must(crowd.exit());
     crowd.steps(0, 2);

@@ -247,9 +247,9 @@ fn every_function_is_in_a_table_or_is_not_offered() {
             continue;
         }
         let message = crowd.refused(probe.call(crowd.v3(), crowd.raw, None).unwrap());
-        let said =
+        let messages =
             ["without events and clocks", "no variable of type", "Derivatives are false", "no variable"];
-        assert!(said.iter().any(|words| message.contains(words)), "{message}");
+        assert!(messages.iter().any(|words| message.contains(words)), "{message}");
     }
     crowd.steps(0, 1);
     let known: Vec<&str> = table(V2).iter().map(|(name, ..)| *name).collect();

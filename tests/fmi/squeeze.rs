@@ -93,8 +93,8 @@ fn agents_at_one_place_are_counted_and_told() {
         let texts = crowd.take_messages().into_iter().map(|message| message.text);
         texts.filter(|text| text.contains("at one place")).collect()
     };
-    let said = told(crowd.exit());
-    assert!(said.len() == 1 && said[0].contains(r#"agents "2" and "3""#), "{said:?}");
+    let messages = told(crowd.exit());
+    assert!(messages.len() == 1 && messages[0].contains(r#"agents "2" and "3""#), "{messages:?}");
     for k in 0..2 {
         assert_eq!(told(crowd.try_step(0.05 * f64::from(k), 0.05)), [""; 0], "it is told once");
         let counts = ["CoincidentContacts", "agent[2].AgentContacts", "agent[3].ContactingAgents"];

@@ -13,9 +13,9 @@ const CHOSEN: f64 = 4.8e-5;
 #[track_caller]
 fn exit(crowd: &Crowd) -> Vec<String> {
     let status = crowd.exit();
-    let said: Vec<String> = crowd.take_messages().into_iter().map(|message| message.text).collect();
-    assert_eq!(status, OK, "{said:?}");
-    said
+    let messages: Vec<String> = crowd.take_messages().into_iter().map(|message| message.text).collect();
+    assert_eq!(status, OK, "{messages:?}");
+    messages
 }
 
 /// In Initialization Mode, with a long step that was set.
@@ -69,18 +69,21 @@ fn a_tolerance_chooses_neither_what_check_warns_of_nor_what_takes_for_ever() {
         [(1e3, 5.0e-4..=5.6e-4, vec![]), (1e-30, 1e-7..=2e-7, vec!["is taken as 1e-9"])]
     {
         let crowd = entered(V2, tolerance);
-        let said = exit(&crowd);
+        let messages = exit(&crowd);
         let step = crowd.get(PARAMETER);
         assert!(range.contains(&step), "{step}");
-        assert!(said.len() == words.len() && said.iter().zip(words).all(|(a, b)| a.contains(b)), "{said:?}");
+        assert!(
+            messages.len() == words.len() && messages.iter().zip(words).all(|(a, b)| a.contains(b)),
+            "{messages:?}"
+        );
     }
     // A TimeStep of 0.05 s has at most 500 steps.
     let crowd = entered(V2, 1e-4);
     crowd.must(crowd.set("MostMechanicalSteps", 500.0));
-    let said = exit(&crowd);
+    let messages = exit(&crowd);
     assert_eq!(crowd.get(PARAMETER), 1e-4);
     let words = ["MostMechanicalSteps = 500", "accurate to about 4.2e-4 m"];
-    assert!(said.len() == 1 && words.iter().all(|word| said[0].contains(word)), "{said:?}");
+    assert!(messages.len() == 1 && words.iter().all(|word| messages[0].contains(word)), "{messages:?}");
     crowd.must(crowd.try_step(0.0, 0.05));
 }
 

@@ -114,8 +114,11 @@ fn values_that_do_not_fit_together_are_told_when_they_are_used() {
             for refused in [crowd.exit(), crowd.try_get("agent[0].NormalForce").0] {
                 assert_eq!(refused, if version == V2 { ERROR } else { DISCARD });
             }
-            let said = crowd.take_messages();
-            assert!(said.len() == 2 && said.iter().all(|told| told.text.contains(words)), "{said:?}");
+            let messages = crowd.take_messages();
+            assert!(
+                messages.len() == 2 && messages.iter().all(|told| told.text.contains(words)),
+                "{messages:?}"
+            );
             crowd.must(crowd.set_all(good));
             crowd.must(crowd.exit());
         }
@@ -166,8 +169,8 @@ fn all_of_a_set_or_nothing() {
         ] {
             assert_eq!(status, ERROR, "{name}");
         }
-        let said = crowd.take_messages();
-        assert!(said.iter().all(|message| message.text.contains("after initialization")), "{said:?}");
+        let messages = crowd.take_messages();
+        assert!(messages.iter().all(|message| message.text.contains("after initialization")), "{messages:?}");
         assert!(crowd.bytes() == before && crowd.everything() == values);
     }
 }
@@ -237,8 +240,8 @@ fn absurd_numbers_do_not_break_the_boundary() {
 #[test]
 fn who_comes_back_inside_another_is_warned_of() {
     let warnings = |crowd: &Crowd| {
-        let said = crowd.take_messages().into_iter().filter(|message| message.status == WARNING);
-        said.map(|message| message.text).collect::<Vec<_>>()
+        let messages = crowd.take_messages().into_iter().filter(|message| message.status == WARNING);
+        messages.map(|message| message.text).collect::<Vec<_>>()
     };
     let crowd = Crowd::new(V2);
     crowd.must(crowd.set_all(&[("TimeStepMechanical", 1e-5), ("agent[0].Velocity.x", 0.5)]));
@@ -258,13 +261,16 @@ fn who_comes_back_inside_another_is_warned_of() {
     assert_eq!(warnings(&crowd), [""; 0]);
     crowd.set_flag("agent[1].Active", true);
     let _ = crowd.try_step(0.501, 1e-3);
-    let said = warnings(&crowd);
+    let told = warnings(&crowd);
     let begin =
         "pairs of disks of different agents overlap where agents come back at t = 0.501 s, the deepest by ";
-    let [said] = &said[..] else { panic!("{said:?}") };
-    let deepest = said.split(begin).nth(1).and_then(|rest| rest.split(' ').next()).expect(said);
+    let [message] = &told[..] else { panic!("{told:?}") };
+    let deepest = message.split(begin).nth(1).and_then(|rest| rest.split(' ').next()).expect(message);
     // A disk of radius 0.095 m and more lies in another one.
-    assert!(deepest.parse::<f64>().unwrap() > 100.0 && said.ends_with("(agents \"0\" and \"1\")"), "{said}");
+    assert!(
+        deepest.parse::<f64>().unwrap() > 100.0 && message.ends_with("(agents \"0\" and \"1\")"),
+        "{message}"
+    );
     // Once.
     let _ = crowd.try_step(0.502, 1e-3);
     assert_eq!(warnings(&crowd), [""; 0]);

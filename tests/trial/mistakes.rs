@@ -162,8 +162,8 @@ fn a_missing_file_is_named_unless_it_is_the_interactions() {
 fn what_nobody_reads_is_warned_of_once_for_each_name() {
     let of = |edits: &[(&str, &str, &str)]| -> Vec<String> {
         let (_, warnings) = edited(edits).unwrap();
-        let said = |warning: &Problem| warning.to_string().split_once(".xml:").unwrap().1.to_owned();
-        warnings.iter().map(said).collect()
+        let message = |warning: &Problem| warning.to_string().split_once(".xml:").unwrap().1.to_owned();
+        warnings.iter().map(message).collect()
     };
     let (agents, dynamics) = ("static/Agents.xml", "dynamic/AgentDynamics.xml");
     assert_eq!(

@@ -23,7 +23,7 @@ pub enum Held {
 #[derive(Debug, Default)]
 pub struct Done {
     /// Text that it would print on standard output.
-    pub said: String,
+    pub printed: String,
     /// Lines that it would print on standard error: what is probably not meant.
     pub notes: Vec<String>,
     /// Picture of `plot`, in the format of the file that `--output` names, which is not written.
@@ -43,9 +43,9 @@ static WRITING: Mutex<()> = Mutex::new(());
 /// # Errors
 /// The message of the command, with what it noted before.
 pub fn call(words: &[OsString], held: Option<Held>, stop: Arc<AtomicBool>) -> Result<Done, String> {
-    let (done, said, notes) = interrupt::stopped_by(stop, || print::caught(|| dispatch(words, held)));
+    let (done, printed, notes) = interrupt::stopped_by(stop, || print::caught(|| dispatch(words, held)));
     match done {
-        Ok(done) => Ok(Done { said, notes, ..done }),
+        Ok(done) => Ok(Done { printed, notes, ..done }),
         Err(error) => {
             let why = full_message(&error);
             Err(notes.into_iter().chain([shortened(&why).into_owned()]).collect::<Vec<_>>().join("\n"))

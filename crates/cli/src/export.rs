@@ -159,7 +159,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             let area = area(&run, ("--area", arguments.area.as_deref()), &walls)?;
             files::check_still(out)?;
             jupedsim(&run, &area, out)?;
-            notes = area.said;
+            notes = area.messages;
         }
         Runs::Pedpy => pedpy(&run, files::open(out)?, out)?,
         Runs::Chaos => {

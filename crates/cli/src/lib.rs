@@ -224,11 +224,14 @@ mod tests {
     #[test]
     fn a_tip_begins_with_the_letter_of_the_word() {
         for (word, tip) in [("--slope", None), ("--gemoetry", Some("--geometry")), ("--hights", None)] {
-            let said = read(["lemons", "crowd", word, "5"].map(OsString::from)).err().unwrap().to_string();
-            assert!(said.contains(&format!("unexpected argument '{word}'")), "{said}");
+            let message = read(["lemons", "crowd", word, "5"].map(OsString::from)).err().unwrap().to_string();
+            assert!(message.contains(&format!("unexpected argument '{word}'")), "{message}");
             let tip = tip.map(|tip| format!("a similar argument exists: '{tip}'"));
-            assert_eq!(said.contains("a similar argument"), tip.is_some(), "{said}");
-            assert!(tip.is_none_or(|tip| said.contains(&tip)) && !said.contains("--close"), "{said}");
+            assert_eq!(message.contains("a similar argument"), tip.is_some(), "{message}");
+            assert!(
+                tip.is_none_or(|tip| message.contains(&tip)) && !message.contains("--close"),
+                "{message}"
+            );
         }
     }
 

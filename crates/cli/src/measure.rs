@@ -227,7 +227,7 @@ impl Arguments {
         } else {
             area(record, given, walls)?
         };
-        for line in &area.said {
+        for line in &area.messages {
             // Here --area is something else.
             note!("{}", line.replace("--area", "--walkable"));
         }

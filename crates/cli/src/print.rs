@@ -40,7 +40,7 @@ pub fn use_standard_error() {
 /// Words of a command that another program has called.
 #[derive(Default)]
 struct Caught {
-    said: String,
+    printed: String,
     notes: Vec<String>,
 }
 
@@ -53,8 +53,8 @@ thread_local! {
 pub fn caught<T>(work: impl FnOnce() -> T) -> (T, String, Vec<String>) {
     CAUGHT.set(Some(Caught::default()));
     let done = work();
-    let Caught { said, notes } = CAUGHT.take().unwrap_or_default();
-    (done, said, notes)
+    let Caught { printed, notes } = CAUGHT.take().unwrap_or_default();
+    (done, printed, notes)
 }
 
 fn is_caught() -> bool {
@@ -113,7 +113,7 @@ impl Write for Console {
             }
             Console::Caught => {
                 let text = String::from_utf8_lossy(bytes);
-                CAUGHT.with_borrow_mut(|caught| caught.iter_mut().for_each(|caught| caught.said += &text));
+                CAUGHT.with_borrow_mut(|caught| caught.iter_mut().for_each(|caught| caught.printed += &text));
                 Ok(bytes.len())
             }
         }

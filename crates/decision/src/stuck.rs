@@ -162,12 +162,12 @@ mod tests {
     fn who_gets_on_walks_and_who_does_not_gives_way_after_a_while() {
         let mut state = StuckState::default();
         assert!(follow(&mut state, 1.0, 60.0, 0).iter().all(|action| *action == StuckAction::Walk));
-        let said = follow(&mut state, 0.0, 60.0, 0);
-        let first = said.iter().position(|action| *action != StuckAction::Walk).unwrap();
+        let actions = follow(&mut state, 0.0, 60.0, 0);
+        let first = actions.iter().position(|action| *action != StuckAction::Walk).unwrap();
         // Two seconds until the mean is low, one or two of patience.
         assert!((50..100).contains(&first), "{first}");
-        let other = said.iter().filter(|action| **action != StuckAction::Walk).count();
-        assert!((said.len() / 5..2 * said.len() / 3).contains(&other), "{other} of {}", said.len());
+        let other = actions.iter().filter(|action| **action != StuckAction::Walk).count();
+        assert!((actions.len() / 5..2 * actions.len() / 3).contains(&other), "{other} of {}", actions.len());
         // Not only one kind.
         for wanted in [AHEAD * -0.65, vec2(0.0, 0.65), vec2(0.0, -0.65), Vec2::zeros()] {
             let found = (0..20).any(|person| {
@@ -179,9 +179,9 @@ mod tests {
 
     #[test]
     fn people_do_not_all_do_the_same_but_each_always_the_same_and_who_wants_nothing_is_not_stuck() {
-        let said = |person| follow(&mut StuckState::default(), 0.0, 20.0, person);
-        assert_eq!(said(3), said(3));
-        assert!((0..10).any(|person| said(person) != said(10)));
+        let actions = |person| follow(&mut StuckState::default(), 0.0, 20.0, person);
+        assert_eq!(actions(3), actions(3));
+        assert!((0..10).any(|person| actions(person) != actions(10)));
         let mut state = StuckState::default();
         (0..200).for_each(|_| state.follow(0.05, Vec2::zeros(), None, 7, 0));
         assert_eq!(state, StuckState::default());

@@ -103,7 +103,10 @@ impl Walkers {
         let path = CString::new(version.location(resources.path())).unwrap();
         let functions = VersionFunctions::of_model::<Decision>(version);
         let instance = TestInstance::new(&functions, &Arguments::new(&token, &path));
-        Walkers { instance: instance.unwrap_or_else(|said| panic!("{said:?}")), _resources: resources }
+        Walkers {
+            instance: instance.unwrap_or_else(|messages| panic!("{messages:?}")),
+            _resources: resources,
+        }
     }
 
     fn initialized() -> Walkers {
@@ -114,8 +117,8 @@ impl Walkers {
 
     #[track_caller]
     fn refuses(&self, status: Status, words: &str) {
-        let said = self.refused(status);
-        assert!(said.contains(words), "{said}");
+        let message = self.refused(status);
+        assert!(message.contains(words), "{message}");
     }
 
     fn try_set(&self, name: &str, values: &[f64]) -> Status {

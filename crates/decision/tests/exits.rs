@@ -387,9 +387,10 @@ fn an_exit_on_a_slanted_wall_is_refused() {
         let room = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0)].map(put).to_vec();
         let ends = [(6.0, 1.0), (6.0, 3.0)].map(|at| <[f64; 2]>::from(put(at)));
         let from = put((3.0, 2.0));
-        let said = plan(&[room], &[person(0, from.x, from.y)], &format!("exits = [{{ line = {ends:?} }}]"));
-        let said = said.map(|_| "taken".to_owned()).unwrap_or_else(|error| error.to_string());
-        assert!(said.contains("lies on walls"), "{k}°: {said}");
+        let message =
+            plan(&[room], &[person(0, from.x, from.y)], &format!("exits = [{{ line = {ends:?} }}]"));
+        let message = message.map(|_| "taken".to_owned()).unwrap_or_else(|error| error.to_string());
+        assert!(message.contains("lies on walls"), "{k}°: {message}");
     }
 }
 
@@ -689,8 +690,9 @@ fn mistakes_are_named() {
     let people = [person(0, 2.0, 2.0), person("two words", 3.0, 2.0)];
     for line in include_str!("mistakes.txt").lines().filter(|line| !line.starts_with('#')) {
         let (config, words) = line.split_once(" | ").unwrap();
-        let said = plan(&[closed.to_vec()], &people, &config.replace("\\n", "\n")).unwrap_err().to_string();
-        assert!(words.split(" | ").all(|word| said.contains(word)), "{config}: {said}");
+        let message =
+            plan(&[closed.to_vec()], &people, &config.replace("\\n", "\n")).unwrap_err().to_string();
+        assert!(words.split(" | ").all(|word| message.contains(word)), "{config}: {message}");
     }
     assert_eq!(plan(&[], &[], "waypoints = [{ x = 1, y = 2 }]"), Err(PlanError::Empty));
 }

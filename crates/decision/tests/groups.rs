@@ -223,7 +223,7 @@ fn wrong_groups_times_and_preferences_are_named() {
         assert!(config.contains(good), "{config}");
         let made = DecisionConfig::from_toml(&config.replace(good, bad));
         let trial = Trial::of(people.clone(), Vec::new(), STEP);
-        let said = made.and_then(|config| Plan::of(&trial, &config)).unwrap_err().to_string();
-        assert!(said.contains(words), "{said}");
+        let message = made.and_then(|config| Plan::of(&trial, &config)).unwrap_err().to_string();
+        assert!(message.contains(words), "{message}");
     }
 }

@@ -228,8 +228,8 @@ fn co_simulation<M: Model>(version: Version) -> Vec<(&'static str, &'static str)
         (intermediate, "providesIntermediateUpdate", "true"),
         (intermediate, "canReturnEarlyAfterIntermediateUpdate", "true"),
     ];
-    let said = flags.into_iter().filter(|flag| flag.0).map(|(_, name, value)| (name, value));
-    [("modelIdentifier", M::IDENTIFIER)].into_iter().chain(said).collect()
+    let set = flags.into_iter().filter(|flag| flag.0).map(|(_, name, value)| (name, value));
+    [("modelIdentifier", M::IDENTIFIER)].into_iter().chain(set).collect()
 }
 
 /// Returns the types of variables, in the order of their first use.

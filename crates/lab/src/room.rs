@@ -147,12 +147,12 @@ pub fn replacing(room: &Room, trial: &Trial) -> Result<Geometry, Refused> {
 
 /// Says what is odd about a Trial with other walls and was not before: people in walls or pillars, or outside.
 pub fn unfit(before: &Trial, after: &Trial) -> Vec<String> {
-    let said = |trial: &Trial| -> Vec<String> {
+    let messages_of = |trial: &Trial| -> Vec<String> {
         let advice = Setup::of(trial).advice_as_edited().into_iter();
         advice.map(|problem| problem.message).collect()
     };
-    let before = said(before);
-    said(after).into_iter().filter(|message| !before.contains(message)).collect()
+    let before = messages_of(before);
+    messages_of(after).into_iter().filter(|message| !before.contains(message)).collect()
 }
 
 /// Content of a drawing.
@@ -263,15 +263,15 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
             proposal = found.map(|found| if form.origin { found.at_origin() } else { found });
         }
         doubt.clone_from(&read.doubt);
-        let said = read.said(name).into_iter().map(|(what, how)| (what.to_owned(), how)).collect();
-        (read.plan, said, read.layers)
+        let messages = read.messages(name).into_iter().map(|(what, how)| (what.to_owned(), how)).collect();
+        (read.plan, messages, read.layers)
     } else {
         let mut files = Memory::default();
         files.put(Path::new(name), bytes.to_vec());
         let (geometry, warnings) = Geometry::read_from(&files, Path::new(name))?;
-        let said: Vec<_> =
+        let messages: Vec<_> =
             warnings.iter().map(|warning| ("warning".to_owned(), warning.to_string())).collect();
-        (FloorPlan::of_geometry(&geometry, Vec::new()), said, Vec::new())
+        (FloorPlan::of_geometry(&geometry, Vec::new()), messages, Vec::new())
     };
     for door in doors {
         plan.add_door(door).map_err(|error| wrong(error.to_string()))?;
@@ -301,7 +301,7 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
         area: plan.area(),
         proposal: proposal.as_ref().map(proposed),
         room,
-        said,
+        said: messages,
         layers,
         doubt,
     })

@@ -118,14 +118,14 @@ fn meaning<'a>(
     if classes[0] != classes[1] {
         return Err(wrong(format!("<{}>, but the FMU says {}", classes[0], classes[1])));
     }
-    let said = connector.unit.as_deref();
-    let definition = said.and_then(|name| structure.units.get(name));
-    if conversion((said, definition), own) != Ok(Affine::IDENTITY) {
-        let (said, own) = (said.unwrap_or_default(), own.0.unwrap_or_default());
-        return Err(wrong(format!("unit={said:?}, but the FMU says {own:?}")));
+    let stated = connector.unit.as_deref();
+    let definition = stated.and_then(|name| structure.units.get(name));
+    if conversion((stated, definition), own) != Ok(Affine::IDENTITY) {
+        let (stated, own) = (stated.unwrap_or_default(), own.0.unwrap_or_default());
+        return Err(wrong(format!("unit={stated:?}, but the FMU says {own:?}")));
     }
     // The unit is the variable's if the connector says none.
-    let unit = said.map_or(own, |name| (said, definition.or_else(|| interface.unit(name))));
+    let unit = stated.map_or(own, |name| (stated, definition.or_else(|| interface.unit(name))));
     Ok(Meaning { variable, element, unit })
 }
 
@@ -135,8 +135,8 @@ fn check_sizes(connector: &Connector, variable: &FmuVariable, interface: &Interf
     require(said.len() == own.len(), || {
         format!("it has {} <Dimension>, but the FMU has an array of {}", said.len(), own.len())
     })?;
-    for (said, own) in said.iter().zip(own) {
-        let size = match said {
+    for (stated, own) in stated.iter().zip(own) {
+        let size = match stated {
             Extent::Unsaid => continue,
             Extent::Size(size) => *size,
             Extent::Parameter(name) => {

@@ -102,8 +102,8 @@ mod tests {
                 .map_err(|error| error.whole())
         };
         let name = library_file("crowd_mechanics", host).unwrap();
-        let said = found(&[]).unwrap_err();
-        assert!(said.starts_with(&format!("{name} is not beside this program")), "{said}");
+        let message = found(&[]).unwrap_err();
+        assert!(message.starts_with(&format!("{name} is not beside this program")), "{message}");
         // That of this machine may lie there, too.
         std::fs::create_dir(beside.join(host)).unwrap();
         std::fs::copy(&own.path, beside.join(host).join(&name)).unwrap();

@@ -182,7 +182,7 @@ impl Fmu {
             let prefix = format!("{}/", self.directory.path().display());
             let why = match &messages.errors()[..] {
                 [] => format!("cannot instantiate the FMU: {}", error.whole().replace(&prefix, "")),
-                said => said.join("\n"),
+                messages => messages.join("\n"),
             };
             let lacks = ": has no directory resources, which it may need";
             let hint = if resources.is_dir() { "" } else { lacks };
@@ -341,8 +341,8 @@ mod tests {
             std::io::Write::write_all(&mut zip, description("CoSimulation", "x").as_bytes()).unwrap();
             zip.finish().unwrap();
             let made = Fmu::open(&path).unwrap().instantiate("x");
-            let said = made.map_or_else(|error| error.whole(), |_| "made".into());
-            assert!(said.ends_with(&format!("x.fmu: the FMU has no {own}: it has {has}")), "{said}");
+            let message = made.map_or_else(|error| error.whole(), |_| "made".into());
+            assert!(message.ends_with(&format!("x.fmu: the FMU has no {own}: it has {has}")), "{message}");
         }
     }
 
@@ -351,12 +351,12 @@ mod tests {
     fn a_model_identifier_is_a_name_in_c() {
         let long = "a".repeat(201);
         for element in ["CoSimulation", "ModelExchange"] {
-            let said = |identifier: &str| {
+            let message = |identifier: &str| {
                 let read = Interface::read(description(element, identifier).as_bytes());
                 read.map_or_else(|error| error.whole(), |_| "read".into())
             };
             for good in ["a", "_", "A_b9", &long[..200]] {
-                assert_eq!(said(good), "read");
+                assert_eq!(message(good), "read");
             }
             for bad in [
                 "",
@@ -373,11 +373,14 @@ mod tests {
                 "a&#10;b",
             ] {
                 let place = format!("modelDescription.xml:1: <{element}> modelIdentifier=\"");
-                assert!(said(bad).starts_with(&place) && said(bad).contains("must be a name in C"), "{bad}");
+                assert!(
+                    message(bad).starts_with(&place) && message(bad).contains("must be a name in C"),
+                    "{bad}"
+                );
             }
-            assert!(said(&long).ends_with(">: modelIdentifier has 201 bytes: must have at most 200"));
+            assert!(message(&long).ends_with(">: modelIdentifier has 201 bytes: must have at most 200"));
             // XML knows no NUL.
-            assert!(said("a&#0;b").starts_with("modelDescription.xml:1: "));
+            assert!(message("a&#0;b").starts_with("modelDescription.xml:1: "));
         }
     }
 }

@@ -72,10 +72,10 @@ impl Messages {
     /// Returns the status of a call, or as an error what the FMU has logged about its refusal.
     pub fn done(&self, version: Version, call: &str, code: i32) -> Result<Status> {
         // What was logged as an error in a call that succeeded is not the reason of a later refusal.
-        let said = self.errors();
+        let errors = self.errors();
         Err(MasterError::new(match status_of(version, code) {
             Some(status @ (Status::Ok | Status::Warning)) => return Ok(status),
-            _ if !said.is_empty() => said.join("\n"),
+            _ if !errors.is_empty() => errors.join("\n"),
             Some(status) => format!("{call} returned {status:?}"),
             None => format!("{call} returned {code}, which is no status of FMI"),
         }))
@@ -90,7 +90,7 @@ impl Messages {
 
     /// The warnings since the last call.
     pub fn warnings(&self) -> Vec<String> {
-        let mut said = self.warnings.take();
+        let mut warnings = self.warnings.take();
         if let Some((time, steps, version)) = self.warned.lock().ok().and_then(|mut warned| warned.take()) {
             let more = match steps - 1 {
                 0 => String::new(),
@@ -98,9 +98,9 @@ impl Messages {
                 more => format!(", and {more} later steps"),
             };
             let status = format!("{}Warning{more}", prefix(version));
-            said.push(format!("warning: the step from t = {time:?} s returned the status {status}"));
+            warnings.push(format!("warning: the step from t = {time:?} s returned the status {status}"));
         }
-        said
+        warnings
     }
 
     /// The errors since the last call.
@@ -124,8 +124,8 @@ mod tests {
         assert!(messages.warnings().is_empty() && messages.errors().is_empty());
         // A step that returns fmi2Warning in silence.
         [0.5, 0.6, 0.7].into_iter().for_each(|time| messages.warned(time, Version::V2));
-        let said = "warning: the step from t = 0.5 s returned the status fmi2Warning, and 2 later steps";
-        assert_eq!(messages.warnings(), [said]);
+        let message = "warning: the step from t = 0.5 s returned the status fmi2Warning, and 2 later steps";
+        assert_eq!(messages.warnings(), [message]);
     }
 
     #[test]
@@ -135,12 +135,12 @@ mod tests {
         messages.hear(Some(Status::Warning), "to be looked at");
         messages.done(Version::V2, "fmi2SetReal", Status::Ok as i32).unwrap();
         messages.hear(Some(Status::Error), "the reason");
-        let said = |code| messages.done(Version::V3, "fmi3DoStep", code).unwrap_err().to_string();
-        assert_eq!(said(Status::Error as i32), "the reason");
+        let message = |code| messages.done(Version::V3, "fmi3DoStep", code).unwrap_err().to_string();
+        assert_eq!(message(Status::Error as i32), "the reason");
         assert_eq!(messages.warnings(), ["to be looked at"]);
-        assert_eq!(said(Status::Error as i32), "fmi3DoStep returned Error");
+        assert_eq!(message(Status::Error as i32), "fmi3DoStep returned Error");
         // `Pending` is of FMI 2.0 only.
-        assert_eq!(said(5), "fmi3DoStep returned 5, which is no status of FMI");
+        assert_eq!(message(5), "fmi3DoStep returned 5, which is no status of FMI");
         assert_eq!(status_of(Version::V2, 5), Some(Status::Pending));
     }
 }

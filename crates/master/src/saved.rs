@@ -168,7 +168,7 @@ impl SavedRun {
         let mut states = Vec::new();
         for component in &saved.component {
             let name = &component.state;
-            let (said, own) = (component.bytes, &component.name);
+            let (stated, own) = (component.bytes, &component.name);
             let missing = || format!("it contains no {name:?}, the state of component {own:?}");
             require(zip.index_for_name(name).is_some(), missing)?;
             // No more is unpacked than is said, and no more than is said is allocated.
@@ -271,8 +271,8 @@ mod tests {
     fn states_that_are_too_large_together_are_not_written() {
         let states = [vec![0; 6], vec![0; 5]];
         assert!(SavedRun::check_states(&states, 11).is_ok());
-        let said = SavedRun::check_states(&states, 10).unwrap_err().to_string();
-        assert_eq!(said, "the states of all components have 11 bytes together, more than 10");
+        let message = SavedRun::check_states(&states, 10).unwrap_err().to_string();
+        assert_eq!(message, "the states of all components have 11 bytes together, more than 10");
     }
 
     #[test]

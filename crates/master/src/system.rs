@@ -258,9 +258,10 @@ impl System {
         let mut all = Vec::new();
         for SystemComponent { name, instance, .. } in &self.components {
             let who = if self.components.len() == 1 { String::new() } else { format!("{name}: ") };
-            let said = instance.warnings().into_iter();
+            let warnings = instance.warnings().into_iter();
             all.extend(
-                said.map(|text| format!("warning: {who}{}", text.strip_prefix("warning: ").unwrap_or(&text))),
+                warnings
+                    .map(|text| format!("warning: {who}{}", text.strip_prefix("warning: ").unwrap_or(&text))),
             );
         }
         all

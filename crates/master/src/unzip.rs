@@ -133,7 +133,7 @@ mod tests {
     const OPTIONS: fn() -> SimpleFileOptions = SimpleFileOptions::default;
 
     /// Returns what unpacking says of an archive as the zip of a Trial, or as an FMU: the content of a file, or the error.
-    fn said(trial: bool, fill: impl Fn(&mut ZipWriter<File>)) -> String {
+    fn message(trial: bool, fill: impl Fn(&mut ZipWriter<File>)) -> String {
         let directory = TempDir::new().unwrap();
         let path = directory.path().join("box.zip");
         let mut zip = ZipWriter::new(File::create(&path).unwrap());
@@ -167,17 +167,17 @@ mod tests {
     }
 
     /// The same of files that hold a text.
-    fn said_of(trial: bool, files: &[&str]) -> String {
-        said(trial, |zip| files.iter().for_each(|file| add(zip, file, b"text")))
+    fn message_of(trial: bool, files: &[&str]) -> String {
+        message(trial, |zip| files.iter().for_each(|file| add(zip, file, b"text")))
     }
 
     #[test]
     fn an_fmu_and_the_zip_of_a_trial_are_what_they_hold() {
-        let fmu = |files: &[&str]| said_of(false, files);
+        let fmu = |files: &[&str]| message_of(false, files);
         assert_eq!(fmu(&[DESCRIPTION_FILE, "resources/a"]), "text");
         assert_eq!(fmu(&["x"]), "it contains no modelDescription.xml, so it is not an FMU");
         assert_eq!(fmu(&[STRUCTURE_FILE]), "this is an SSP archive: lemons run FILE.ssp");
-        let trial = |files: &[&str]| said_of(true, files);
+        let trial = |files: &[&str]| message_of(true, files);
         assert_eq!(trial(&["T/Parameters.xml", "T/static/Agents.xml", "__MACOSX/T/._Agents.xml"]), "T: text");
         assert_eq!(trial(&["a/T/Parameters.xml"]), "T: text");
         // Older archivers of Windows write backslashes.
@@ -196,22 +196,22 @@ mod tests {
     #[test]
     fn hostile_archives_are_refused() {
         for (trial, mark) in [(false, DESCRIPTION_FILE), (true, "T/Parameters.xml")] {
-            let said = |fill: &dyn Fn(&mut ZipWriter<File>)| {
-                said(trial, |zip| {
+            let message = |fill: &dyn Fn(&mut ZipWriter<File>)| {
+                message(trial, |zip| {
                     add(zip, mark, b"");
                     fill(zip);
                 })
             };
             for name in ["../a", "T/../../a", "/a", "C:/a", "T\\..\\..\\a"] {
                 let expected = format!("the entry {name:?} leads outside of the archive");
-                assert_eq!(said(&|zip| add(zip, name, b"text")), expected);
+                assert_eq!(message(&|zip| add(zip, name, b"text")), expected);
             }
-            let link = said(&|zip| zip.add_symlink("T/static", "/", OPTIONS()).unwrap());
+            let link = message(&|zip| zip.add_symlink("T/static", "/", OPTIONS()).unwrap());
             assert_eq!(link, "the entry \"T/static\" is a link, which is not served");
             // A small archive of a lot: as large together as the second alone.
             let zeros = vec![0; 1_000_001];
             for sizes in [[1, 1_000_000], [600_000, 400_001]] {
-                let large = said(&|zip| {
+                let large = message(&|zip| {
                     add(zip, "T/a", &zeros[..sizes[0]]);
                     add(zip, "T/b", &zeros[..sizes[1]]);
                 });
@@ -219,7 +219,7 @@ mod tests {
             }
         }
         let many = |count: usize, name: &str| {
-            said(name != DESCRIPTION_FILE, |zip| {
+            message(name != DESCRIPTION_FILE, |zip| {
                 add(zip, name, b"");
                 (0..count).for_each(|k| add(zip, &k.to_string(), b""));
             })

@@ -63,8 +63,8 @@ fn hostile_descriptions_are_refused_by_element_attribute_and_value() {
     for (from, to, words) in mistakes("modelDescription.xml") {
         assert!(good.contains(&from), "{from}");
         let read = Interface::read(good.replacen(&from, &to, 1).as_bytes());
-        let said = read.map_or_else(|error| error.to_string(), |_| "read".to_owned());
-        assert!(said.starts_with("modelDescription.xml:") && said.contains(&words), "{to}: {said}");
+        let message = read.map_or_else(|error| error.to_string(), |_| "read".to_owned());
+        assert!(message.starts_with("modelDescription.xml:") && message.contains(&words), "{to}: {message}");
     }
 }
 
@@ -72,9 +72,9 @@ fn hostile_descriptions_are_refused_by_element_attribute_and_value() {
 fn what_is_wrong_or_not_served_is_named() {
     for (from, to, words) in mistakes("foreign.ssd") {
         assert!(FOREIGN.contains(&from), "{from}");
-        let said = read(&FOREIGN.replacen(&from, &to, 1)).expect_err(&to);
-        assert!(said.contains(&words) && said.contains("SystemStructure.ssd"), "{to}: {said}");
-        assert!(said.lines().count() == 1, "{said}");
+        let message = read(&FOREIGN.replacen(&from, &to, 1)).expect_err(&to);
+        assert!(message.contains(&words) && message.contains("SystemStructure.ssd"), "{to}: {message}");
+        assert!(message.lines().count() == 1, "{message}");
     }
     let broken = read(&FOREIGN.replace("values.ssv", "SystemStructure.ssd")).unwrap_err();
     assert!(broken.contains("the root element must be <ParameterSet>"), "{broken}");
@@ -84,23 +84,23 @@ fn what_is_wrong_or_not_served_is_named() {
 fn archives_are_checked_before_anything_is_taken_out() {
     let directory = TempDir::new().unwrap();
     let path = directory.path().join("x.ssp");
-    let said = |files: &[(&str, &str)]| {
+    let message = |files: &[(&str, &str)]| {
         zip(&path, files);
         let read = ArchiveReader::open(&path).and_then(|mut archive| archive.structure());
         read.unwrap_err().whole()
     };
-    let outside = said(&[("SystemStructure.ssd", FOREIGN), ("values.ssv", VALUES), ("../x", "")]);
+    let outside = message(&[("SystemStructure.ssd", FOREIGN), ("values.ssv", VALUES), ("../x", "")]);
     assert!(outside.contains("the entry \"../x\" leads outside"), "{outside}");
-    assert!(said(&[("other.ssd", FOREIGN)]).contains("there is no SystemStructure.ssd in the archive"));
-    assert!(said(&[("SystemStructure.ssd", FOREIGN)]).contains("there is no values.ssv"));
+    assert!(message(&[("other.ssd", FOREIGN)]).contains("there is no SystemStructure.ssd in the archive"));
+    assert!(message(&[("SystemStructure.ssd", FOREIGN)]).contains("there is no values.ssv"));
     zip(&path, &[("SystemStructure.ssd", FOREIGN), ("values.ssv", VALUES), ("resources/a b.fmu", "it")]);
     let mut copied = Vec::new();
     let mut archive = ArchiveReader::open(&path).unwrap();
     let mut allowance = Allowance::new(3);
     archive.copy("./resources/a%20b.fmu", &mut copied, &mut allowance).unwrap();
     assert_eq!(copied, b"it");
-    let said = archive.copy("resources/a b.fmu", &mut copied, &mut allowance).unwrap_err().to_string();
-    assert!(said.contains("resources/a b.fmu: is refused: more than"), "{said}");
+    let message = archive.copy("resources/a b.fmu", &mut copied, &mut allowance).unwrap_err().to_string();
+    assert!(message.contains("resources/a b.fmu: is refused: more than"), "{message}");
     // An archive cut in the middle.
     let bytes = std::fs::read(&path).unwrap();
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
@@ -111,19 +111,19 @@ fn archives_are_checked_before_anything_is_taken_out() {
 fn archives_that_unpack_to_a_lot_are_refused() {
     let directory = TempDir::new().unwrap();
     let path = directory.path().join("x.ssp");
-    let said = |structure: &str, values: &str| {
+    let message = |structure: &str, values: &str| {
         zip(&path, &[("SystemStructure.ssd", structure), ("values.ssv", values)]);
         assert!(path.metadata().unwrap().len() < 1_000_000, "it is a small file");
         ArchiveReader::open(&path).unwrap().structure().unwrap_err().whole()
     };
     let spaces = " ".repeat(64_000_000);
-    let large = said(&format!("{FOREIGN}{spaces}"), VALUES);
+    let large = message(&format!("{FOREIGN}{spaces}"), VALUES);
     assert_eq!(large, "SystemStructure.ssd: is refused: more than 64 MB to unpack in all");
-    let large = said(FOREIGN, &spaces);
+    let large = message(FOREIGN, &spaces);
     assert!(large.contains("source=\"values.ssv\": values.ssv: is refused: more than 64 MB"), "{large}");
     // Small as a text, large as a tree.
     let elements = FOREIGN.replacen("<Elements>", &format!("<Elements>{}", "<a/>".repeat(4_000_000)), 1);
-    let large = said(&elements, VALUES);
+    let large = message(&elements, VALUES);
     assert!(large.contains("nodes limit reached"), "{large}");
 }
 
@@ -222,31 +222,31 @@ fn equal_names_are_connected_and_written_the_same_each_time() {
 
 #[test]
 fn what_cannot_be_connected_is_said() {
-    let said = |interfaces: &[Interface]| connected(interfaces).map(drop).unwrap_err();
+    let message = |interfaces: &[Interface]| connected(interfaces).map(drop).unwrap_err();
     let sends = |unit: &str, units: &str| interface(&[("x", "output", unit)], units);
     let takes = |unit: &str, units: &str| interface(&[("x", "input", unit)], units);
     assert_eq!(
-        said(&[sends("km", METRE), takes("m", METRE)]),
+        message(&[sends("km", METRE), takes("m", METRE)]),
         r#"x, from a to b: the output is in "km", the input in "m", as each FMU defines its unit"#
     );
     let other = METRE.replace("m=\"1\"", "m=\"1\" factor=\"2\"");
     assert_eq!(
-        said(&[sends("m", METRE), takes("m", &other)]),
+        message(&[sends("m", METRE), takes("m", &other)]),
         r#"x, from a to b: the output is in "m", the input in "m", as each FMU defines its unit"#
     );
     // The same unit by another name agrees.
     let metre = METRE.replace("\"m\"", "\"metre\"");
     assert!(connected(&[sends("metre", &metre), takes("m", METRE)]).is_ok());
     assert_eq!(
-        said(&[sends("Integer", ""), takes("m", METRE)]),
+        message(&[sends("Integer", ""), takes("m", METRE)]),
         "x, from a to b: Integer does not become Real"
     );
     assert_eq!(
-        said(&[sends("m", METRE), takes("m", METRE), sends("m", METRE)]),
+        message(&[sends("m", METRE), takes("m", METRE), sends("m", METRE)]),
         "the input x of b is fed by two outputs, of a and of c"
     );
     assert_eq!(
-        said(&[sends("m", METRE), interface(&[("y", "input", "m")], METRE)]),
+        message(&[sends("m", METRE), interface(&[("y", "input", "m")], METRE)]),
         "no output has the name of an input of another FMU: nothing to connect\n\
          a: 1 outputs: x\na: 0 inputs\nb: 0 outputs\nb: 1 inputs: y"
     );
@@ -254,9 +254,9 @@ fn what_cannot_be_connected_is_said() {
     let all = |causality, unit| {
         interface(&names.iter().map(|name| (name.as_str(), causality, unit)).collect::<Vec<_>>(), METRE)
     };
-    let said = said(&[all("output", "m"), all("input", "km")]);
-    assert_eq!(said.lines().count(), 6, "{said}");
-    assert!(said.ends_with("… and 4 more like these"), "{said}");
+    let message = message(&[all("output", "m"), all("input", "km")]);
+    assert_eq!(message.lines().count(), 6, "{message}");
+    assert!(message.ends_with("… and 4 more like these"), "{message}");
 }
 
 /// Of FMI 3.0: two people, their positions and whatever else is said.
@@ -330,8 +330,8 @@ fn arrays_of_one_name_and_shape_are_connected_however_their_sizes_are_called() {
 fn single_outputs_can_be_chosen_in_place_of_an_array() {
     let single = interface(&[("agent[0].Mp", "output", ""), ("agent[1].Mp", "output", "")], METRE);
     let three = [people(["input", "output"], 2, ""), single, people(["output", "input"], 2, "")];
-    let said = chosen(&three, &[]).map(drop).unwrap_err();
-    assert_eq!(said, "the input agent[0].Mp of c is fed by two outputs, of a and of b");
+    let message = chosen(&three, &[]).map(drop).unwrap_err();
+    assert_eq!(message, "the input agent[0].Mp of c is fed by two outputs, of a and of b");
     let made = chosen(&three, &[["b.agent[*].Mp", "c.agent[*].Mp"]]).unwrap();
     let forces: Vec<_> = made.connections.iter().filter(|(.., name)| name.contains("Mp")).collect();
     assert!(forces.len() == 2 && forces.iter().all(|(from, to, _)| (*from, *to) == (1, 2)), "{forces:?}");
@@ -346,8 +346,8 @@ fn outputs_can_be_chosen_for_inputs_of_other_names() {
         people(["input", "output"], 2, more),
         people(["output", "input"], 2, ""),
     ];
-    let said = |by: &[[&str; 2]]| chosen(&three, by).map(drop).unwrap_err();
-    assert_eq!(said(&[]), "the input Mp of c is fed by two outputs, of a and of b");
+    let message = |by: &[[&str; 2]]| chosen(&three, by).map(drop).unwrap_err();
+    assert_eq!(message(&[]), "the input Mp of c is fed by two outputs, of a and of b");
     let last = ["b.Mp", "c.Mp"];
     for inner in [["a.Mp", "b.Wanted"], ["a.agent[*].Mp", "b.agent[*].Wanted"]] {
         let made = chosen(&three, &[inner, last]).unwrap();
@@ -360,12 +360,12 @@ fn outputs_can_be_chosen_for_inputs_of_other_names() {
         let wanted = read.connections.iter().filter(|connection| connection.to.connector == "Wanted");
         assert!(wanted.map(|connection| &connection.from.connector).all(|from| from == "Mp"));
     }
-    assert_eq!(said(&[["a.Mp", "b.Unknown"], last]), "b.Unknown: no component has this input");
-    assert_eq!(said(&[["b.Wanted", "c.Mp"]]), "b.Wanted: no component has this output");
-    assert_eq!(said(&[last, ["a.Mp", "c.Mp"]]), "c.Mp: two outputs are chosen for this input");
-    let both = said(&[["a.Mp", "b.Wanted"], ["a.agent[*].Mp", "b.agent[*].Wanted"], last]);
+    assert_eq!(message(&[["a.Mp", "b.Unknown"], last]), "b.Unknown: no component has this input");
+    assert_eq!(message(&[["b.Wanted", "c.Mp"]]), "b.Wanted: no component has this output");
+    assert_eq!(message(&[last, ["a.Mp", "c.Mp"]]), "c.Mp: two outputs are chosen for this input");
+    let both = message(&[["a.Mp", "b.Wanted"], ["a.agent[*].Mp", "b.agent[*].Wanted"], last]);
     assert_eq!(both, "b.Wanted: outputs are chosen for all of it and for elements");
-    let shape = said(&[["c.Position", "b.Wanted"], last]);
+    let shape = message(&[["c.Position", "b.Wanted"], last]);
     assert_eq!(shape, "b.Wanted: Position is no array of the same sizes");
 }
 
@@ -456,15 +456,15 @@ fn terminals_of_one_kind_connect_variables_of_other_names() {
     let terminals = [terminal("k", "bus", &own), terminal("k", "bus", &theirs), third_terminal];
     let all = [crowd, other, third];
     let terminals = terminals.each_ref().map(String::as_str);
-    let said = by_terminals(&all, &terminals, &[]).map(|_| ()).unwrap_err();
-    assert_eq!(said, "a.F: terminals give it two outputs, b.force and c.push; choose one of them");
+    let message = by_terminals(&all, &terminals, &[]).map(|_| ()).unwrap_err();
+    assert_eq!(message, "a.F: terminals give it two outputs, b.force and c.push; choose one of them");
     let made = by_terminals(&all, &terminals, &[["c.push", "a.F"]]).map(ends);
     assert_eq!(made, Ok(vec!["0 place".to_owned(), "0 y".to_owned(), "2 F".to_owned()]));
 }
 
 #[test]
 fn broken_terminals_are_refused() {
-    for (text, said) in [
+    for (text, message) in [
         (
             "<a/>",
             "terminalsAndIcons/terminalsAndIcons.xml:1: <a>: the root element must be <fmiTerminalsAndIcons>",
@@ -472,7 +472,7 @@ fn broken_terminals_are_refused() {
         ("<fmiTerminalsAndIcons><Terminals><Terminal/></Terminals></fmiTerminalsAndIcons>", "matchingRule"),
     ] {
         let error = Terminal::read(text.as_bytes()).unwrap_err().whole();
-        assert!(error.contains(said), "{error}");
+        assert!(error.contains(message), "{error}");
     }
     let twice = terminal("k", "bus", &[["x", "a"], ["x", "b"]]);
     let text = format!("<fmiTerminalsAndIcons><Terminals>{twice}</Terminals></fmiTerminalsAndIcons>");

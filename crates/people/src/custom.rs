@@ -172,8 +172,8 @@ mod tests {
 
     #[test]
     fn mistakes_are_named() {
-        let said = |text: &str| Custom::from_toml(text).unwrap_err().to_string();
-        assert!(said("[male]\nheight.mean = 1").contains("unknown field `height`"));
-        assert!(said("[male]\nmass.mean = 'heavy'").contains("line 2"));
+        let message = |text: &str| Custom::from_toml(text).unwrap_err().to_string();
+        assert!(message("[male]\nheight.mean = 1").contains("unknown field `height`"));
+        assert!(message("[male]\nmass.mean = 'heavy'").contains("line 2"));
     }
 }

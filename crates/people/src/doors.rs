@@ -437,14 +437,14 @@ mod tests {
 
     #[test]
     fn impossible_doors_are_refused() {
-        for (door, said) in [
+        for (door, message) in [
             (door(9.0, 9.0, 1.0), "door 0 at (9, 9) m is 7.81 m from the nearest closed wall"),
             (door(f64::NAN, 0.0, 1.0), "door 0"),
             (door(4.0, 1.0, -1.0), "must be positive"),
             (door(1.5, 1.0, 4.0), "no wall left"),
         ] {
             let refused = cut_doors(walls(&room(), "concrete"), &[door]).unwrap_err().to_string();
-            assert!(refused.contains(said), "{refused}");
+            assert!(refused.contains(message), "{refused}");
         }
     }
 

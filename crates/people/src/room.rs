@@ -404,9 +404,9 @@ mod tests {
         room.doors = vec![Door::new(vec2(3.5, 3.1), 0.4)];
         let after = room.replacing(&before, "new").unwrap();
         assert_eq!(after.dimensions, before.dimensions);
-        let said: Vec<_> = after.walls.iter().map(|wall| (&*wall.id, &*wall.material_id)).collect();
+        let walls: Vec<_> = after.walls.iter().map(|wall| (&*wall.id, &*wall.material_id)).collect();
         let [a, b] = ["material of a", "material of 0"];
-        assert_eq!(said, [("a", a), ("0", b), ("1", "new"), ("2", "new")]);
+        assert_eq!(walls, [("a", a), ("0", b), ("1", "new"), ("2", "new")]);
         assert_eq!(after.walls[0].corners, corners([[0.0, 0.0], [2.0, -1.0], [5.0, 0.0], [5.5, 4.0]]));
         assert_eq!(after.walls[1].corners, corners([[0.5, 0.5], [2.0, 1.0], [2.0, 2.0], [0.5, 0.5]]));
         assert_eq!(after.walls[2].corners[0], vec2(3.0, 3.0));

@@ -207,23 +207,27 @@ mod tests {
     /// A mass in another unit is that of somebody else of the same stature, and perhaps possible.
     #[test]
     fn masses_are_judged_by_stature() {
-        let said = |stature: u32, mass: &str| {
+        let message = |stature: u32, mass: &str| {
             let row = format!("bideltoidbreadth,chestdepth,stature,weightkg\n493,237,{stature},{mass}\n");
             read(row.as_bytes()).map(drop).map_err(|error| error.to_string()).err().unwrap_or_default()
         };
         // A man of 81.5 kg and 1.776 m in kg, lb and g; a woman of 54.3 kg and 1.581 m in kg.
         assert_eq!(
-            said(1776, "81.5"),
+            message(1776, "81.5"),
             "male.csv:2: weightkg = \"81.5\": in tenths of a kg, 8.2 kg at a stature of 1776 mm, is 2.6 kg/m²: people \
              have 10 to 110; is it in kg?"
         );
-        assert!(said(1776, "179.7").ends_with("is 5.7 kg/m²: people have 10 to 110; is it in lb?"));
-        assert!(said(1581, "54.3").ends_with("is it in kg?"));
-        assert!(said(1776, "81500").starts_with("male.csv:2: weightkg = \"81500\": must be within"));
-        assert!(said(1776, "4900").ends_with("155.3 kg/m²: people have 10 to 110"), "{}", said(1776, "4900"));
+        assert!(message(1776, "179.7").ends_with("is 5.7 kg/m²: people have 10 to 110; is it in lb?"));
+        assert!(message(1581, "54.3").ends_with("is it in kg?"));
+        assert!(message(1776, "81500").starts_with("male.csv:2: weightkg = \"81500\": must be within"));
+        assert!(
+            message(1776, "4900").ends_with("155.3 kg/m²: people have 10 to 110"),
+            "{}",
+            message(1776, "4900")
+        );
         // The lightest and the heaviest that were measured, a child of 5 (18 kg, 1.10 m).
         for (stature, mass) in [(1776, "815"), (1720, "301"), (1850, "3500"), (1100, "180")] {
-            assert_eq!(said(stature, mass), "");
+            assert_eq!(message(stature, mass), "");
         }
     }
 

@@ -361,9 +361,9 @@ mod tests {
     #[test]
     fn mistakes_are_named() {
         let people = "jelly".to_owned();
-        let said = two(&TrialSettings { people, ..TrialSettings::default() }).unwrap_err().to_string();
+        let message = two(&TrialSettings { people, ..TrialSettings::default() }).unwrap_err().to_string();
         let known =
             "people: there is no material \"jelly\"; materials are human_naked, human_clothes, human_soft";
-        assert_eq!(said, known);
+        assert_eq!(message, known);
     }
 }

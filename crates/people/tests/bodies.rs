@@ -187,13 +187,13 @@ fn nobody_is_too_odd() {
 #[test]
 fn nobodies_are_refused_by_name() {
     let man = mean_person(Sex::Male);
-    for (person, said) in [
+    for (person, message) in [
         (Person { breadth: f64::NAN, ..man }, "bideltoid breadth = NaN m"),
         (Person { stature: 0.0, ..man }, "stature = 0 m"),
         (Person { mass: f64::INFINITY, ..man }, "mass = inf kg"),
         (Person { depth: 0.5, breadth: 0.4, ..man }, "must not exceed the bideltoid breadth"),
     ] {
-        assert!(Body3d::of(&person).unwrap_err().to_string().contains(said));
+        assert!(Body3d::of(&person).unwrap_err().to_string().contains(message));
     }
 }
 
@@ -424,12 +424,14 @@ fn a_small_child_has_a_body_of_its_measures() {
     assert!((body.volume() / (12.4 / 985.0) - 1.0).abs() < 0.1, "{}", body.volume());
     let man = mean_person(Sex::Male);
     assert_eq!(Body3d::similar(&man).unwrap(), Body3d::of(&man).unwrap());
-    let said = |person: Person| Body3d::similar(&person).unwrap_err().to_string();
-    assert!(said(Person { stature: 0.1, ..child }).starts_with("stature = 0.1 m: must be from 1 to 2.5 m"));
+    let message = |person: Person| Body3d::similar(&person).unwrap_err().to_string();
+    assert!(
+        message(Person { stature: 0.1, ..child }).starts_with("stature = 0.1 m: must be from 1 to 2.5 m")
+    );
     // Of a body of 1.35 m: 0.25 to 0.8 m and 20 to 250 kg, by (0.87 / 1.35) and its cube.
-    let broad = said(Person { breadth: 0.6, ..child });
+    let broad = message(Person { breadth: 0.6, ..child });
     assert_eq!(broad, "bideltoid breadth = 0.6 m: must be from 0.161 to 0.516 m for a body");
-    let light = said(Person { mass: 5.0, ..child });
+    let light = message(Person { mass: 5.0, ..child });
     assert_eq!(light, "mass = 5 kg: must be from 5.353 to 66.911 kg for a body");
 }
 

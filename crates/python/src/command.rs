@@ -66,8 +66,8 @@ impl Task {
             }
             Err(RecvTimeoutError::Timeout) => return Ok(None),
         };
-        let Done { said, notes, picture, summary, tables } = done;
-        Ok(Some((said, notes, PyBytes::new(py, &picture), summary, tables)))
+        let Done { printed, notes, picture, summary, tables } = done;
+        Ok(Some((printed, notes, PyBytes::new(py, &picture), summary, tables)))
     }
 
     /// Asks it to end, without what it has begun.

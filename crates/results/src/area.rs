@@ -24,7 +24,7 @@ pub struct Area {
     /// \[m\] The area.
     pub polygon: Polygon,
     /// Messages: of what the area was made, and what could not be used.
-    pub said: Vec<String>,
+    pub messages: Vec<String>,
     /// Whether it is the bounding box of walls and people, as no wall is around everybody.
     pub boxed: bool,
 }
@@ -42,7 +42,7 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
     let (mut outlines, open) = outlines(walls);
     let crossing = outlines.extract_if(.., |outline| !outline.ring.is_simple());
     let crossing = crossing.filter(|outline| outline.bridges.is_empty());
-    let mut said: Vec<String> =
+    let mut messages: Vec<String> =
         crossing.map(|outline| format!("{} crosses itself: it bounds no area", outline.name)).collect();
     // Those without openings first, of these the smallest one.
     let opens = |outline: &Outline| !outline.bridges.is_empty();
@@ -50,13 +50,13 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
     let around = |outline: &Outline| positions.clone().all(|position| outline.ring.contains(position));
     let mut boxed = false;
     let outer = if let Some(place) = outlines.iter().position(around) {
-        said.push(format!("walkable area: inside of {}", outlines[place].described()));
+        messages.push(format!("walkable area: inside of {}", outlines[place].described()));
         outlines.remove(place)
-    } else if let Some(outline) = with_outside(&outlines, positions.clone(), &mut said) {
+    } else if let Some(outline) = with_outside(&outlines, positions.clone(), &mut messages) {
         outline
     } else {
         boxed = true;
-        said.push(format!(
+        messages.push(format!(
             "walkable area: no wall is around everybody: the bounding box of people and walls and {MARGIN} m more \
              (a polygon of your own: --area)"
         ));
@@ -73,13 +73,13 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
             continue;
         }
         if positions.clone().any(|position| ring.contains(position)) {
-            said.push(format!("{} has people inside and outside: not taken out", outline.name));
+            messages.push(format!("{} has people inside and outside: not taken out", outline.name));
         } else if let Some(other) =
             std::iter::once(&outer).chain(&holes).find(|other| other.ring.touches(ring))
         {
-            said.push(format!("{} touches {}: not taken out", outline.name, other.name));
+            messages.push(format!("{} touches {}: not taken out", outline.name, other.name));
         } else {
-            said.push(format!("{} is taken out", outline.name));
+            messages.push(format!("{} is taken out", outline.name));
             holes.push(outline);
         }
     }
@@ -93,17 +93,17 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
     if !parting.is_empty() {
         match parted(&polygon, &parting, positions) {
             Some(parted) => {
-                said.push(format!("open walls in it are taken out, {THICKNESS} m thick"));
+                messages.push(format!("open walls in it are taken out, {THICKNESS} m thick"));
                 polygon = parted;
             }
-            None => said.push(
+            None => messages.push(
                 "open walls in it are not taken out: they part people, and the area must be one polygon \
                  (of your own: --area)"
                     .into(),
             ),
         }
     }
-    Area { polygon, said, boxed }
+    Area { polygon, messages, boxed }
 }
 
 /// Returns the area of people whose heads were measured at these positions \[m\]: the [`walkable_area`] of all but those who
@@ -149,8 +149,8 @@ pub fn given_area(wkt: &str, positions: impl Iterator<Item = Vec2>) -> Result<Ar
             first.x, first.y
         ));
     }
-    let said = vec!["walkable area: the polygon given; walls are not looked at".into()];
-    Ok(Area { polygon, said, boxed: false })
+    let messages = vec!["walkable area: the polygon given; walls are not looked at".into()];
+    Ok(Area { polygon, messages, boxed: false })
 }
 
 /// Returns the same of people whose heads were measured: those who lean over its rim may be outside.
@@ -168,7 +168,7 @@ pub fn given_area_of_heads(wkt: &str, positions: &[Vec2]) -> Result<Area, String
 fn with_outside(
     outlines: &[Outline],
     positions: impl Iterator<Item = Vec2> + Clone,
-    said: &mut Vec<String>,
+    messages: &mut Vec<String>,
 ) -> Option<Outline> {
     let peopled = |room: &&Outline| positions.clone().any(|position| room.ring.contains(position));
     let (joined, rings): (Vec<&Outline>, Vec<&Outline>) =
@@ -193,7 +193,7 @@ fn with_outside(
     let polygon = of_people(union(&shapes), positions)?;
     let mut all: Vec<String> = rooms.iter().map(|room| room.described()).collect();
     all.push(format!("beyond {openings} the convex hull of where people were and {MARGIN} m more"));
-    said.push(format!("walkable area: inside of {}", all.join("; ")));
+    messages.push(format!("walkable area: inside of {}", all.join("; ")));
     Some(Outline::new("the outline", polygon.outer))
 }
 
@@ -277,7 +277,7 @@ mod tests {
         let thin = wall("thin", &[(5.0, 1.0), (7.0, 1.0), (5.0, 1.0)]);
         let odd = [room(), bow, thin, square("niche", 0.0, 5.0, 1.0), square("through", 9.0, 5.0, 3.0)];
         let whole = "POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0))";
-        for (walls, people, polygon, said) in [
+        for (walls, people, polygon, messages) in [
             (
                 &pillars[..],
                 &[(1.0, 1.0), (9.0, 9.5)][..],
@@ -321,8 +321,12 @@ mod tests {
         ] {
             let area = area(walls, people);
             assert_eq!(area.polygon.to_wkt(), polygon);
-            for text in said {
-                assert!(area.said.iter().any(|said| said.contains(text)), "{text}: {:?}", area.said);
+            for text in messages {
+                assert!(
+                    area.messages.iter().any(|message| message.contains(text)),
+                    "{text}: {:?}",
+                    area.messages
+                );
             }
         }
     }
@@ -338,7 +342,7 @@ mod tests {
         ];
         let area = area(&sides, &[(1.0, 2.0)]);
         assert_eq!(
-            area.said,
+            area.messages,
             [
                 "walkable area: inside of walls \"w\", \"s\", \"e\", \"n\"",
                 "open walls in it are taken out, 0.02 m thick"
@@ -348,7 +352,11 @@ mod tests {
         let whole = self::area(&sides[..4], &[(1.0, 2.0)]);
         assert_eq!(whole.polygon.to_wkt(), "POLYGON ((0 3, 0 0, 4 0, 4 3, 0 3))");
         let gap = self::area(&sides[..3], &[(1.0, 2.0)]);
-        assert!(gap.said[0].ends_with("its opening of 3 m closed by a straight line"), "{:?}", gap.said);
+        assert!(
+            gap.messages[0].ends_with("its opening of 3 m closed by a straight line"),
+            "{:?}",
+            gap.messages
+        );
         assert_eq!(inside(&gap, &[(1.0, 2.0), (4.1, 2.0)]), [true, false]);
     }
 
@@ -362,7 +370,7 @@ mod tests {
         let room = [(4.0, 2.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0), (4.0, 0.0), (4.0, 1.0)];
         let people = [(1.0, 2.0), (3.9, 1.5), (4.6, 1.5), (6.0, 2.5)];
         let area = area(&[wall("room", &room)], &people);
-        assert!(area.said[0].contains("beyond the opening the convex hull"), "{:?}", area.said);
+        assert!(area.messages[0].contains("beyond the opening the convex hull"), "{:?}", area.messages);
         assert_eq!(inside(&area, &people), [true; 4]);
         // Behind the walls, in the walls beside the opening, in the opening itself.
         let points = [(-0.1, 1.0), (2.0, 3.1), (2.0, -0.1), (4.0, 2.1), (4.0, 0.95), (4.0, 1.5), (8.0, 2.5)];
@@ -378,7 +386,7 @@ mod tests {
         ];
         let area = area(&walls, &[(1.0, 2.0), (7.0, 1.0)]);
         assert_eq!(
-            area.said[0],
+            area.messages[0],
             "walkable area: inside of walls \"south\", \"north\", its openings of 1, 1.2 m closed by straight lines"
         );
         let points = [(5.0, 3.0), (5.0, 1.0), (-0.1, 2.0), (7.0, 3.0)];
@@ -392,7 +400,11 @@ mod tests {
         // A screen from wall to wall parts people: one polygon cannot say it.
         let through = wall("through", &[(5.0, 4.0), (5.0, 0.0)]);
         let parted = self::area(&[&walls[..2], &[through]].concat(), &[(1.0, 2.0), (7.0, 1.0)]);
-        assert!(parted.said.iter().any(|text| text.contains("they part people")), "{:?}", parted.said);
+        assert!(
+            parted.messages.iter().any(|text| text.contains("they part people")),
+            "{:?}",
+            parted.messages
+        );
     }
 
     #[test]
@@ -411,8 +423,8 @@ mod tests {
                 "1 positions of people are not in it, the first at x = 3.0",
             ),
         ] {
-            let said = given_area(text, people()).unwrap_err();
-            assert!(said.contains(expected), "{text}: {said}");
+            let message = given_area(text, people()).unwrap_err();
+            assert!(message.contains(expected), "{text}: {message}");
         }
     }
 }

@@ -77,7 +77,7 @@ fn head(database: &Connection, area: &Area, rate: f64) -> rusqlite::Result<()> {
     for (key, value) in numbers {
         metadata.execute([key, &format!("{value:?}")])?;
     }
-    metadata.execute(["walkable_area", &area.said.join("; ")])?;
+    metadata.execute(["walkable_area", &area.messages.join("; ")])?;
     database.execute("INSERT INTO geometry VALUES (?, ?)", params![GEOMETRY, area.polygon.to_wkt()])?;
     Ok(())
 }

@@ -73,8 +73,8 @@ fn keys_are_set_by_name() {
         ("number.more", "3", "number is no table"),
         ("decision.speed", "3", "unknown field `speed`"),
     ] {
-        let said = scenario.with(key, value).unwrap_err().to_string();
-        assert!(said.contains(words), "{key}: {said}");
+        let message = scenario.with(key, value).unwrap_err().to_string();
+        assert!(message.contains(words), "{key}: {message}");
     }
 }
 
@@ -107,8 +107,8 @@ fn what_cannot_be_is_said_with_its_key() {
             "push 1: nobody stands in its circle",
         ),
     ] {
-        let said = Scenario::from_toml(text).and_then(|scenario| made(&scenario)).unwrap_err().to_string();
-        assert!(said.contains(words), "{text}: {said}");
+        let message = Scenario::from_toml(text).and_then(|scenario| made(&scenario)).unwrap_err().to_string();
+        assert!(message.contains(words), "{text}: {message}");
     }
     // Round bodies have no luggage, and a room has the doors of both lists.
     let room = &crowds().into_iter().find(|(name, _)| name == "room").unwrap().1;

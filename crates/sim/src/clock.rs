@@ -130,8 +130,8 @@ mod tests {
             (0.0, -0.1, 1.0, &format!("{step} -0.1 s: it must be greater than 0")),
             (2.0, 0.1, 2.0, "from 2.0 to 2.0 s there is nothing to simulate"),
         ] {
-            let said = Clock::new(start, length, until).unwrap_err().to_string();
-            assert!(said.contains(expected), "{said}");
+            let message = Clock::new(start, length, until).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
         }
         assert!(Clock::new(0.0, 1e299, 1e300).is_ok());
     }

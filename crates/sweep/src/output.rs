@@ -189,7 +189,7 @@ mod tests {
         assert!(least.holds(&[None, Some(2.0)]) && !least.holds(&[None, None]));
         let most = stop("of = 'decision.Left'\nat_most = 0");
         assert!(most.holds(&[0.0].map(Some)) && !most.holds(&[1.0].map(Some)));
-        for (text, said) in [
+        for (text, message) in [
             ("of = 'x'", "one of at_least and at_most"),
             ("of = 'x'\nat_least = 1\nat_most = 2", "one of at_least and at_most"),
             ("of = 'x'\nat_least = inf", "finite"),
@@ -197,7 +197,7 @@ mod tests {
             ("of = 'decision.Arrived'\nat_least = 1\nagents = ['3']", "agents"),
         ] {
             let error = stop(text).check().unwrap_err();
-            assert!(error.contains(said), "{error}");
+            assert!(error.contains(message), "{error}");
         }
     }
 }

@@ -281,8 +281,8 @@ mod tests {
         }
         for cell in ["nan", "-NaN", "inf", "+Infinity", "1e999"] {
             let error = read(&format!("Mass,Other\n70.5,1\n{cell},2\n")).unwrap_err();
-            let said = format!("points.csv: Mass: {cell}: must be a finite number (point 1)");
-            assert!(error.ends_with(&said), "{error}");
+            let message = format!("points.csv: Mass: {cell}: must be a finite number (point 1)");
+            assert!(error.ends_with(&message), "{error}");
         }
         assert!(read("Mass\n").unwrap_err().ends_with("points.csv: there are no points"));
     }

@@ -393,8 +393,8 @@ mod tests {
             (measure, "balance = 'mood'", "must be one of falls, lean, steps, time_unbalanced"),
         ] {
             assert!(GOOD.contains(part));
-            let said = read(&GOOD.replace(part, to)).unwrap_err();
-            assert!(said.contains(expected), "{to}: {said}");
+            let message = read(&GOOD.replace(part, to)).unwrap_err();
+            assert!(message.contains(expected), "{to}: {message}");
         }
     }
 

@@ -411,8 +411,8 @@ mod tests {
         let path = directory.path().join("sweep.csv");
         whole(&path);
         let mut table = open(&path).unwrap();
-        let said = open(&path).err().unwrap().whole();
-        assert!(said.contains("another process writes"), "{said}");
+        let message = open(&path).err().unwrap().whole();
+        assert!(message.contains("another process writes"), "{message}");
         let again = Finished { point: 1, outcome: Ok(vec![Some(MeasuredValue::Number(1.0)), None]) };
         table.add(std::slice::from_ref(&again)).unwrap();
         assert_eq!(table.finish().unwrap()[1], again);
@@ -441,8 +441,8 @@ mod tests {
             (other("\n0,60.0,", "\n0,"), "row 1: has 6 columns, not 7"),
         ] {
             std::fs::write(&path, &text).unwrap();
-            let said = open(&path).err().unwrap().whole();
-            assert!(said.contains(expected) && said.contains("sweep.csv"), "{said}");
+            let message = open(&path).err().unwrap().whole();
+            assert!(message.contains(expected) && message.contains("sweep.csv"), "{message}");
             assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
         }
     }

@@ -280,7 +280,7 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
         say_drawn(read, path);
     }
     let place = scenario.place(&LocalFiles, drawn).map_err(told)?;
-    place.notes.iter().for_each(|said| note!("{}", words.note(said)));
+    place.notes.iter().for_each(|message| note!("{}", words.note(message)));
     let ready = scenario.ready(&population, place, MOST_PEOPLE).map_err(told)?;
     let Ready { place, numbers, agents, .. } = &ready;
     if let Some(directory) = &trial.output {
@@ -295,8 +295,8 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
     }
     // Of a Trial that is refused nothing more is told.
     let beside = beside(&scenario);
-    for said in trial.output.iter().flat_map(|directory| files::staying(directory, &beside)) {
-        note!("{said}");
+    for message in trial.output.iter().flat_map(|directory| files::staying(directory, &beside)) {
+        note!("{message}");
     }
     let save = arguments.scenario.save_scenario.as_ref();
     let saved = save.map(|file| saved(scenario.clone(), file)?.to_toml().map_err(told)).transpose()?;
@@ -320,9 +320,9 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
         for (k, (ground, density)) in place.grounds.iter().zip(densities).enumerate() {
             let people = format!("m²   {} people, {density:.3} /m²", numbers[k]);
             writeln!(out, "{}", line(&format!("  region {k}"), ground.free.region.area(), &people))?;
-            let said = described(&ground.free);
-            if !said.is_empty() {
-                writeln!(out, "{:29} {said}", "")?;
+            let message = described(&ground.free);
+            if !message.is_empty() {
+                writeln!(out, "{:29} {message}", "")?;
             }
         }
     }
@@ -351,7 +351,7 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
         writeln!(out, "mechanical step    {step:>10} s   (of a TimeStep of {time_step} s)")?;
         // Those of the place were told.
         let notes = made.notes.iter().skip(made.place.notes.len());
-        notes.for_each(|said| note!("{}", words.note(said)));
+        notes.for_each(|message| note!("{}", words.note(message)));
         if let Some((_, plan)) = &made.decision {
             let found = of_plan(plan, &made.trial, Path::new(""));
             found.iter().for_each(|found| note!("{found}"));

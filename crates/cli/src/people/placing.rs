@@ -97,9 +97,10 @@ impl PlacingArguments {
 
 /// Prints what was understood of a drawing; of what was left out, how much.
 pub fn say_drawn(read: &Read, path: &Path) {
-    let said = room::said(read, path);
-    let (left_out, said): (Vec<_>, Vec<_>) = said.into_iter().partition(|(what, _)| *what == "left out");
-    said.iter().for_each(|(what, how)| note!("{what}: {how}"));
+    let messages = room::messages(read, path);
+    let (left_out, messages): (Vec<_>, Vec<_>) =
+        messages.into_iter().partition(|(what, _)| *what == "left out");
+    messages.iter().for_each(|(what, how)| note!("{what}: {how}"));
     if !left_out.is_empty() {
         let path = path.display();
         note!(

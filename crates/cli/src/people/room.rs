@@ -94,7 +94,7 @@ pub struct DrawingArguments {
 
 fn unit() -> impl TypedValueParser<Value = f64> {
     let parser = PossibleValuesParser::new(UNITS.map(|(name, _)| name));
-    parser.map(|said| UNITS.iter().find(|(name, _)| *name == said).map_or(1.0, |(_, metres)| *metres))
+    parser.map(|text| UNITS.iter().find(|(name, _)| *name == text).map_or(1.0, |(_, metres)| *metres))
 }
 
 /// A positive length: 5cm, 0.05m, 0.05.
@@ -171,9 +171,9 @@ pub fn explained(error: PeopleError) -> anyhow::Error {
 }
 
 /// Says what was understood, and with which option it would be otherwise.
-pub fn said(read: &Read, path: &Path) -> Vec<(&'static str, String)> {
-    let mut said = read.said(&path.display().to_string());
-    for (what, how) in &mut said {
+pub fn messages(read: &Read, path: &Path) -> Vec<(&'static str, String)> {
+    let mut messages = read.messages(&path.display().to_string());
+    for (what, how) in &mut messages {
         *how += match *what {
             "moved" => " (--origin)",
             "far" => ": --origin moves the room there",
@@ -184,7 +184,7 @@ pub fn said(read: &Read, path: &Path) -> Vec<(&'static str, String)> {
             _ => "",
         };
     }
-    said
+    messages
 }
 
 /// Prints what a plan seems to be, and what would take it.
@@ -218,7 +218,7 @@ fn propose(arguments: &Arguments) -> Result<()> {
     }
     let mut out = Vec::new();
     writeln!(out, "{:<18} {}: {}, unit {} m", "drawing", named(), drawing.format.name(), drawing.unit)?;
-    for (what, how) in found.said() {
+    for (what, how) in found.messages() {
         writeln!(out, "{what:<18} {how}")?;
     }
     if !found.ground.is_empty() {
@@ -323,7 +323,7 @@ pub fn room(arguments: &Arguments) -> Result<()> {
     scene.marks = marks(&read.plan);
     outputs.draw(&scene, &style())?;
     let mut out = Vec::new();
-    for (what, how) in said(&read, drawing) {
+    for (what, how) in messages(&read, drawing) {
         writeln!(out, "{what:<18} {how}")?;
     }
     if let Some(kind) = kind {

@@ -44,16 +44,16 @@ pub fn shape(arguments: &Arguments) -> Result<()> {
     let mut out = print::out();
     match &arguments.xml {
         Some(material) => write!(out, "{}", elements(&found, material))?,
-        None => write!(out, "# {}\n{}", said(&found).join("\n# "), rows(&found.disks))?,
+        None => write!(out, "# {}\n{}", remarks(&found).join("\n# "), rows(&found.disks))?,
     }
     Ok(out.flush()?)
 }
 
 /// The error of the cover.
-fn said(found: &Cover) -> Vec<String> {
+fn remarks(found: &Cover) -> Vec<String> {
     let Cover { disks, areas: [outline, covered], gap, beyond, opposite } = found;
     let more = 100.0 * (covered / outline - 1.0);
-    let mut said = vec![
+    let mut remarks = vec![
         format!("{} disks: {covered:.4} m², of the outline {outline:.4} m² ({more:+.1} %)", disks.len()),
         format!(
             "the outline is at most {:.1} cm outside of them; they reach at most {:.1} cm beyond it",
@@ -62,9 +62,9 @@ fn said(found: &Cover) -> Vec<String> {
         ),
     ];
     if !opposite {
-        said.push("no two disks are opposite, so that a body of these alone does not look along x".into());
+        remarks.push("no two disks are opposite, so that a body of these alone does not look along x".into());
     }
-    said
+    remarks
 }
 
 fn rows(disks: &[Disk]) -> String {
@@ -77,7 +77,7 @@ fn rows(disks: &[Disk]) -> String {
 fn elements(found: &Cover, material: &str) -> String {
     let Moments { area, centroid, polar } = union(&found.disks);
     let inertia = format!("moment of inertia: the mass times {:.5} m²", polar / area);
-    let comments = said(found).into_iter().chain([inertia]).map(|line| format!("<!-- {line} -->\n"));
+    let comments = remarks(found).into_iter().chain([inertia]).map(|line| format!("<!-- {line} -->\n"));
     let element = |Disk { radius, centre }: &Disk| {
         let at = *centre - centroid;
         let [x, y, radius] = [at.x, at.y, *radius].map(|value| number((1e4 * value).round() / 1e4));

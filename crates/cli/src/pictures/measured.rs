@@ -123,20 +123,20 @@ mod tests {
         assert_eq!(placed.of("c"), []);
         let plane = read(rows).unwrap().placed(CoordinateOrigin::Plane, &both).unwrap();
         assert_eq!(plane.of("a")[1], (0.1, vec2(0.75, -1.0)));
-        let said = |rows: &str, run: &Run| {
+        let message = |rows: &str, run: &Run| {
             read(rows).unwrap().placed(CoordinateOrigin::Start, run).err().unwrap().to_string()
         };
-        assert!(said(rows, &run(&["a"], 0.0)).contains("no agent \"b\""));
-        assert!(said(rows, &run(&["a", "b"], 2.0)).contains("the run goes from 2.0"));
-        assert!(said("t,id,x,y\n0,a,0,0\n1,b,0,0\n", &both).contains("\"b\" is seen from t = 1.0"));
+        assert!(message(rows, &run(&["a"], 0.0)).contains("no agent \"b\""));
+        assert!(message(rows, &run(&["a", "b"], 2.0)).contains("the run goes from 2.0"));
+        assert!(message("t,id,x,y\n0,a,0,0\n1,b,0,0\n", &both).contains("\"b\" is seen from t = 1.0"));
     }
 
     #[test]
     fn says_line_and_value() {
-        let said = |text: &str| format!("{:#}", read(text).err().unwrap());
-        assert!(said("t,id,x\n").contains("no column \"y\""));
-        assert!(said("t,id,x,y\n").contains("holds no row"));
-        assert!(said("t,id,x,y\n0,a,nan,0\n").contains("line 2: x=\"nan\""));
-        assert!(said("t,id,x,y\n1,a,0,0\n1,a,0,0\n").contains("line 3: t=1"));
+        let message = |text: &str| format!("{:#}", read(text).err().unwrap());
+        assert!(message("t,id,x\n").contains("no column \"y\""));
+        assert!(message("t,id,x,y\n").contains("holds no row"));
+        assert!(message("t,id,x,y\n0,a,nan,0\n").contains("line 2: x=\"nan\""));
+        assert!(message("t,id,x,y\n1,a,0,0\n1,a,0,0\n").contains("line 3: t=1"));
     }
 }

@@ -261,14 +261,14 @@ impl Drop for Ffmpeg {
 
 /// Files in its scratch directory.
 const MADE: &str = "movie.mp4";
-const SAID: &str = "said";
+const LOG: &str = "log";
 
 impl Ffmpeg {
     /// Starts the program for frames of the size of the first.
     fn start(frame_rate: f64, Pixels { width, height, .. }: &Pixels) -> Result<Ffmpeg> {
         // It goes back in the file to put the index first, so it cannot write to a pipe.
         let scratch = Scratch::new().context("cannot make a temporary directory")?;
-        let said = File::create(scratch.path().join(SAID)).context("cannot make a temporary file")?;
+        let log = File::create(scratch.path().join(LOG)).context("cannot make a temporary file")?;
         let mut program = Command::new("ffmpeg");
         // Ctrl-C is for this program: it ends ffmpeg by closing its input.
         #[cfg(unix)]
@@ -281,7 +281,7 @@ impl Ffmpeg {
             .arg(scratch.path().join(MADE))
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
-            .stderr(said)
+            .stderr(log)
             .spawn()
             .context("cannot start ffmpeg")?;
         let frames = program.stdin.take().map(BufWriter::new);
@@ -305,8 +305,8 @@ impl Ffmpeg {
         let _ = self.frames.take().map(BufWriter::into_inner);
         let status = self.program.wait().context("ffmpeg")?;
         if !status.success() {
-            let said = self.scratch.path().join(SAID);
-            let text = input::read_text(&said, input::LARGEST_SETTINGS).context("ffmpeg")?;
+            let log = self.scratch.path().join(LOG);
+            let text = input::read_text(&log, input::LARGEST_SETTINGS).context("ffmpeg")?;
             bail!("ffmpeg ({status}): {}", text.trim());
         }
         Ok(())

@@ -244,8 +244,8 @@ fn columns_of(description: &Interface, groups: Groups) -> Vec<Column> {
     for column in all.iter_mut().filter(|column| column.kind == CellType::Real) {
         if let Some(name) = column.variable.strip_prefix("agent[i].") {
             let own = description.single(&format!("agent[0].{name}"));
-            let said = own.and_then(|own| own.variable.unit.clone());
-            column.unit = said.or(column.unit.take());
+            let unit = own.and_then(|own| own.variable.unit.clone());
+            column.unit = unit.or(column.unit.take());
         }
     }
     all

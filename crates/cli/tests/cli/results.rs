@@ -12,7 +12,7 @@ fn trial() -> String {
     default_trial().display().to_string()
 }
 
-fn said(output: &Output, code: i32) -> String {
+fn message(output: &Output, code: i32) -> String {
     let all = [&output.stdout[..], &output.stderr[..]].concat();
     let all = String::from_utf8_lossy(&all).into_owned();
     assert_eq!(output.status.code(), Some(code), "{all}");
@@ -23,7 +23,7 @@ fn said(output: &Output, code: i32) -> String {
 /// Runs the push, with options.
 fn push(at: &Path, options: &str, code: i32) -> String {
     let options: Vec<&str> = options.split_whitespace().collect();
-    said(&lemons(at, &[&["run", &trial()], &options[..]].concat()), code)
+    message(&lemons(at, &[&["run", &trial()], &options[..]].concat()), code)
 }
 
 fn read(at: &Path, name: &str) -> Vec<u8> {
@@ -48,7 +48,7 @@ fn signalled(at: &Path, signal: &str, options: &str) -> Output {
 fn a_signal_leaves_valid_results_and_the_run_goes_on_bit_for_bit() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
-    let stopped = said(&signalled(at, "-TERM", "--state push.run"), 130);
+    let stopped = message(&signalled(at, "-TERM", "--state push.run"), 130);
     assert!(stopped.contains("stopped by Ctrl-C ") && stopped.contains("go on with --resume push.run"));
     assert_eq!(names(at), ["push.run", "trajectories.csv"]);
     let run = Run::read_table(&at.join("trajectories.csv")).unwrap();
@@ -129,11 +129,11 @@ fn every_nth_point_is_written_and_all_are_looked_at() {
         assert_eq!(line(&all), line(&some));
     }
     // The greatest peak is of the step to 0.45 s, the ninth.
-    let said =
+    let noted =
         |text: &str| text.contains("(not in the table, whose last rows are before this step: --every)");
     let missed = push(at, "--until 0.5 -o missed.csv --every 7", 0);
     let kept = push(at, "--until 0.5 -o kept.csv --every 5", 0);
-    assert!(said(&missed) && !said(&kept) && !said(&some) && !said(&all), "{missed}{kept}{some}");
+    assert!(noted(&missed) && !noted(&kept) && !noted(&some) && !noted(&all), "{missed}{kept}{some}");
     // Stopped between two rows, the run goes on with the right ones.
     push(at, "--until 0.5 -o part.csv --every 3 --state part.run", 0);
     push(at, "--until 1.03 -o rest.csv --resume part.run", 0);
@@ -178,8 +178,8 @@ fn saved_runs_are_hostile_until_checked() {
     for row in table {
         let row = row.replace("\\n", "\n");
         let [from, to, words] = row.split(" | ").collect::<Vec<_>>()[..] else { panic!("{row:?}") };
-        let said = text(from, to);
-        assert!(said.contains("run") && said.contains(words), "{from} -> {to}: {said}");
+        let message = text(from, to);
+        assert!(message.contains("run") && message.contains(words), "{from} -> {to}: {message}");
         assert!(read(at, "trajectories.csv") == before, "{to}");
     }
     forged(at, "push.run", |name, mut bytes| {
@@ -233,9 +233,9 @@ fn a_run_of_another_build_of_the_program_goes_on_and_all_builds_are_named() {
     forged(at, "push.run", |name, bytes| match name {
         "run.toml" => {
             let text = String::from_utf8(bytes).unwrap();
-            let said = format!("lemons = \"{own}\"");
-            assert!(text.contains(&said), "{text}");
-            text.replace(&said, "lemons = \"0.1.0 (0123456 2026-01-01)\"").into_bytes()
+            let own_line = format!("lemons = \"{own}\"");
+            assert!(text.contains(&own_line), "{text}");
+            text.replace(&own_line, "lemons = \"0.1.0 (0123456 2026-01-01)\"").into_bytes()
         }
         _ => bytes,
     });
@@ -308,20 +308,20 @@ fn what_another_program_writes_meanwhile_stays_and_the_run_is_told() {
         send("-STOP");
         File::create_new(at.join(file)).unwrap().write_all(b"of another run").unwrap();
         send("-CONT");
-        let said = said(&child.wait_with_output().unwrap(), 1);
+        let message = message(&child.wait_with_output().unwrap(), 1);
         let named = at.canonicalize().unwrap().join(other);
         let expected = format!(
             "{file}: cannot be written: another program has written it meanwhile; this result is in {}",
             named.display()
         );
-        assert!(said.contains(&expected), "{said}");
+        assert!(message.contains(&expected), "{message}");
         assert!(read(at, file) == b"of another run" && read(at, other) == alone);
     }
     // What a command itself writes into a directory that it also writes is its own.
     let into = ["crowd", "-n", "6", "--open", "-o", "T", "--zip", "T/t.zip", "--fmu", "T/t.fmu", "--force"];
     assert!(lemons(at, &into[..6]).status.success());
     for _ in 0..2 {
-        said(&lemons(at, &into), 0);
+        message(&lemons(at, &into), 0);
     }
     // A Trial, whose files are claimed one by one.
     let mut child =
@@ -329,8 +329,8 @@ fn what_another_program_writes_meanwhile_stays_and_the_run_is_told() {
     wait_for(&mut child, begun);
     fs::create_dir(at.join("crowd")).unwrap();
     fs::write(at.join("crowd/Parameters.xml"), "of another crowd").unwrap();
-    let said = said(&child.wait_with_output().unwrap(), 1);
+    let message = message(&child.wait_with_output().unwrap(), 1);
     let expected = "cannot write crowd/Parameters.xml: another program has written it meanwhile";
-    assert!(said.contains(expected), "{said}");
+    assert!(message.contains(expected), "{message}");
     assert_eq!(names(&at.join("crowd")), ["Parameters.xml"]);
 }

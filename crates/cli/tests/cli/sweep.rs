@@ -32,8 +32,8 @@ fn a_killed_sweep_goes_on_to_the_same_table() {
     let running = started(at, &["sweep", "push.toml", "-o", "killed.csv", "--threads", "1"]);
     signalled(running, "-KILL", || lines() >= 3);
     assert!((3..202).contains(&lines()), "it was killed in the middle");
-    let said = out(&done(at, &["sweep", "push.toml", "-o", "killed.csv"]));
-    assert!(!said.contains("(200 now, 0 before)") && !said.contains("(0 now"), "{said}");
+    let message = out(&done(at, &["sweep", "push.toml", "-o", "killed.csv"]));
+    assert!(!message.contains("(200 now, 0 before)") && !message.contains("(0 now"), "{message}");
     assert!(fs::read(at.join("whole.csv")).unwrap() == fs::read(at.join("killed.csv")).unwrap());
 }
 

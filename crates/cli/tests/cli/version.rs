@@ -20,14 +20,14 @@ static SCRIPT: LazyLock<(TempDir, PathBuf)> = LazyLock::new(|| {
 });
 
 /// Output of the script for a workspace.
-struct Said {
+struct Printed {
     /// Commit, date, "1" for changes.
     values: [String; 3],
     /// Files for which it is run again.
     watched: Vec<PathBuf>,
 }
 
-fn script(root: &Path, around: &[(&str, &str)]) -> Said {
+fn script(root: &Path, around: &[(&str, &str)]) -> Printed {
     let mut command = Command::new(&SCRIPT.1);
     command.env("CARGO_MANIFEST_DIR", root.join("crates/cli")).env("OUT_DIR", SCRIPT.0.path());
     for name in ["LEMONS_COMMIT", "LEMONS_COMMIT_DATE", "SOURCE_DATE_EPOCH"] {
@@ -42,7 +42,7 @@ fn script(root: &Path, around: &[(&str, &str)]) -> Said {
     let watched: Vec<PathBuf> = all("cargo::rerun-if-changed=").into_iter().map(PathBuf::from).collect();
     // Cargo runs a script each time if a file is not there.
     assert!(watched.iter().all(|path| path.exists()), "{text}");
-    Said { values, watched }
+    Printed { values, watched }
 }
 
 /// The directory of a workspace.
@@ -88,8 +88,8 @@ fn repository(at: &Path) -> PathBuf {
 }
 
 /// Newest time of what a script is run again for.
-fn newest(said: &Said) -> std::time::SystemTime {
-    said.watched.iter().map(|path| path.symlink_metadata().unwrap().modified().unwrap()).max().unwrap()
+fn newest(printed: &Printed) -> std::time::SystemTime {
+    printed.watched.iter().map(|path| path.symlink_metadata().unwrap().modified().unwrap()).max().unwrap()
 }
 
 #[test]

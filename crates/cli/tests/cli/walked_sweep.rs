@@ -98,7 +98,7 @@ squeeze = { of = "peak_squeeze", take = "max" }
     let other = text.replace("child = 20", "child = 21");
     fs::write(at.join("sweep.toml"), &other).unwrap();
     assert!(refused(at, &["sweep", "sweep.toml", "-o", "table.csv"]).contains("table.csv"));
-    for (part, to, said) in [
+    for (part, to, message) in [
         (
             "child = 20",
             "adlt = 20",
@@ -148,8 +148,8 @@ squeeze = { of = "peak_squeeze", take = "max" }
     ] {
         assert!(text.contains(part), "{part}");
         fs::write(at.join("sweep.toml"), text.replace(part, to)).unwrap();
-        let message = refused(at, &["sweep", "sweep.toml", "-o", "new.csv"]);
-        assert!(message.contains(said) && !at.join("new.csv").exists(), "{to}: {message}");
+        let refusal = refused(at, &["sweep", "sweep.toml", "-o", "new.csv"]);
+        assert!(refusal.contains(message) && !at.join("new.csv").exists(), "{to}: {refusal}");
     }
 }
 

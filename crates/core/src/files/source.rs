@@ -85,8 +85,8 @@ mod tests {
         std::fs::write(directory.path().join("a/b.xml"), [7; 10]).unwrap();
         for (source, root) in [(&memory as &dyn FileSource, Path::new("")), (&LocalFiles, directory.path())] {
             assert_eq!(source.read(&root.join("a/./b.xml"), 10).unwrap(), [7; 10]);
-            let said = source.read(&root.join("a/b.xml"), 9).unwrap_err().to_string();
-            assert_eq!(said, "it is larger than 0.000009 MB, the limit");
+            let message = source.read(&root.join("a/b.xml"), 9).unwrap_err().to_string();
+            assert_eq!(message, "it is larger than 0.000009 MB, the limit");
             assert_eq!(source.read(&root.join("a/c.xml"), 9).unwrap_err().kind(), ErrorKind::NotFound);
             assert!(source.lacks(&root.join("c")) && !source.lacks(&root.join("a/b.xml")));
         }

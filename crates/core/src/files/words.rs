@@ -20,12 +20,12 @@ pub fn meant<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
 
 /// Returns what serde says of a document, with a suggestion for an unknown key. In its `message` keys are between backticks:
 /// first the unknown one, then the expected ones.
-pub fn explained(said: &str, message: &str) -> String {
+pub fn explained(text: &str, message: &str) -> String {
     let mut expected = message.split('`').skip(1).step_by(2);
     let unknown = expected.next().filter(|_| message.starts_with("unknown field"));
     match unknown.and_then(|unknown| meant(unknown, expected)) {
-        Some(meant) => format!("{}\ndid you mean `{meant}`?", said.trim_end()),
-        None => said.to_owned(),
+        Some(meant) => format!("{}\ndid you mean `{meant}`?", text.trim_end()),
+        None => text.to_owned(),
     }
 }
 
@@ -69,16 +69,18 @@ mod tests {
         let usual = format!("{path}:3: agent \"A\": Radius=\"x\": is no number");
         assert_eq!(shortened(&usual), usual);
         let name = "né".repeat(30_000);
-        let said = shortened(&format!("{path}: agent \"{name}\": Radius=\"x\"\nsecond line\n")).into_owned();
-        assert!(said.starts_with(&format!("{path}: agent \"nén")), "{said}");
+        let message =
+            shortened(&format!("{path}: agent \"{name}\": Radius=\"x\"\nsecond line\n")).into_owned();
+        assert!(message.starts_with(&format!("{path}: agent \"nén")), "{message}");
         assert!(
-            said.contains("… 59844 characters …") && said.ends_with("né\": Radius=\"x\"\nsecond line\n"),
-            "{said}"
+            message.contains("… 59844 characters …")
+                && message.ends_with("né\": Radius=\"x\"\nsecond line\n"),
+            "{message}"
         );
-        assert!(said.chars().count() < 600, "{said}");
+        assert!(message.chars().count() < 600, "{message}");
         // Words of a usual length, too many of them.
-        let said = shortened(&format!("agent \"{}\": is there twice", "a b ".repeat(15_000))).into_owned();
-        assert!(said.chars().count() < 4000 && said.ends_with("b \": is there twice"), "{said}");
+        let message = shortened(&format!("agent \"{}\": is there twice", "a b ".repeat(15_000))).into_owned();
+        assert!(message.chars().count() < 4000 && message.ends_with("b \": is there twice"), "{message}");
         assert_eq!(shortened(&"a short line\n".repeat(1000)).len(), 13_000);
     }
 

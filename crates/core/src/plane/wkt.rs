@@ -284,8 +284,8 @@ mod tests {
             ("MULTIPOLYGON ((0 0, 1 1))", "each ring of a POLYGON must be in parentheses"),
             (&deep, "more than 32 collections"),
         ] {
-            let said = shapes_from_wkt(text).unwrap_err();
-            assert!(said.contains(expected), "{text}: {said}");
+            let message = shapes_from_wkt(text).unwrap_err();
+            assert!(message.contains(expected), "{text}: {message}");
         }
     }
 

@@ -134,7 +134,7 @@ impl DriveTable {
     pub fn from_csv(content: impl Read) -> Result<DriveTable> {
         let mut reader =
             csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
-        let header = reader.headers().map_err(|wrong| error(None, said(wrong)))?.clone();
+        let header = reader.headers().map_err(|wrong| error(None, message_of(wrong)))?.clone();
         let mut found = Problems::default();
         let mut column = |name: &'static str| {
             let named = |column: &str| column.trim_start_matches('\u{feff}') == name;
@@ -161,7 +161,7 @@ impl DriveTable {
                     // After an error of the disk nothing more can be read.
                     let (begin, is_last) = (wrong.position().map(csv::Position::line), wrong.is_io_error());
                     let line = begin.map(|begin| line_of(begin, reader.position().line(), 0));
-                    found.push_counted(error(line, said(wrong)));
+                    found.push_counted(error(line, message_of(wrong)));
                     if is_last {
                         break;
                     }
@@ -274,7 +274,7 @@ fn line_of(begin: u64, next: u64, within: u64) -> u64 {
 }
 
 /// Returns the text of an error without the words "CSV error" and without its line.
-fn said(error: csv::Error) -> String {
+fn message_of(error: csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::Io(error) => error.to_string(),
         csv::ErrorKind::Utf8 { .. } => "is not UTF-8 text".to_owned(),
@@ -334,19 +334,19 @@ impl DriveTable {
                 let Some((by, k)) = found else { continue };
                 if worst.as_ref().is_none_or(|(most, _)| by > *most) {
                     let (column, push, first, second) = (COLUMNS[k], push[k], a[k], b[k]);
-                    let said = format!(
+                    let message = format!(
                         "at t = {time:?} s agent {agent:?} has {column} = {push:?}, but the applied value is {first:?} \
                          from t = {before:?} s and {second:?} from t = {after:?} s"
                     );
-                    worst = Some((by, said));
+                    worst = Some((by, message));
                 }
             }
         }
-        let (_, said) = worst?;
+        let (_, message) = worst?;
         let come = if rows == 1 { "comes" } else { "come" };
         let mut words = format!(
             "{rows} of {of} rows {come} between communication points, which are {step:?} s apart, so they are not applied: \
-             {said}"
+             {message}"
         );
         if shortest.is_finite() {
             words +=
@@ -381,10 +381,10 @@ mod tests {
             "t,agent,Fp.x,Fp.y,Mp\n0,a,0,0,0\n0.3,a,600,0,0\n0.4,a,-1200,0,9\n0.6,a,0,0,0\n9,b,1,0,0\n";
         let drive = drive(rows).unwrap();
         let missed = drive.missed(0.0, 50.0).unwrap();
-        let said = "4 of 5 rows come between communication points, which are 50.0 s apart, so they are not applied: at t = 0.4 s \
+        let message = "4 of 5 rows come between communication points, which are 50.0 s apart, so they are not applied: at t = 0.4 s \
                     agent \"a\" has Fp.x = -1200.0, but the applied value is 0.0 from t = 0.0 s and 0.0 from t = 50.0 s; \
                     a communication step of 1.000e-1 s applies all rows (TimeStep, --step)";
-        assert_eq!(missed, said);
+        assert_eq!(missed, message);
         assert_eq!(drive.missed(0.0, 0.1), None);
         assert_eq!((drive.between(0.0, 0.1), drive.between(0.0, 0.2)), ((0, 5), (1, 5)));
         // A sample somewhere on its way is not the push, but it is applied.
@@ -413,16 +413,19 @@ mod tests {
     fn all_errors_are_said_each_with_its_line() {
         let error =
             drive("t,agent,Fp.x,Fp.y,Mp\n0,a,x,0,inf\n# a\n1,a,0\n2,a,0,0,0\n1,a,0,0,0\n").unwrap_err();
-        let said = error.of_file(Path::new("T/drive.csv")).to_string();
+        let message = error.of_file(Path::new("T/drive.csv")).to_string();
         let expected = "T/drive.csv:2: Fp.x=\"x\": not a finite number\n\
                         T/drive.csv:2: Mp=\"inf\": not a finite number\n\
                         T/drive.csv:4: has 3 values instead of 5\n\
                         T/drive.csv:6: t=1 does not come after t=2 of the same agent";
-        assert_eq!(said, expected);
+        assert_eq!(message, expected);
         let many = format!("t,agent,Fp.x,Fp.y,Mp\n{}", "0,a,x,0,0\n".repeat(32));
-        let said = drive(&many).unwrap_err().to_string();
-        assert!(said.lines().count() == 21 && said.ends_with("and 43 more errors"), "{said}");
-        let said = drive("t,agent,Fp.x,Mp,Mp\n").unwrap_err().to_string();
-        assert!(said.contains("no column \"Fp.y\"") && said.contains("two columns \"Mp\""), "{said}");
+        let message = drive(&many).unwrap_err().to_string();
+        assert!(message.lines().count() == 21 && message.ends_with("and 43 more errors"), "{message}");
+        let message = drive("t,agent,Fp.x,Mp,Mp\n").unwrap_err().to_string();
+        assert!(
+            message.contains("no column \"Fp.y\"") && message.contains("two columns \"Mp\""),
+            "{message}"
+        );
     }
 }

@@ -102,8 +102,8 @@ mod tests {
                 for (row, (name, value)) in rows.iter().zip(schema.attributes) {
                     // After a comma stands what is checked against another attribute.
                     let range = row[4].split(',').next().unwrap();
-                    let said = (row[2].to_owned(), range.to_owned());
-                    assert_eq!((row[1], said), (&*format!("`{name}`"), named(*value)), "<{}>", schema.name);
+                    let stated = (row[2].to_owned(), range.to_owned());
+                    assert_eq!((row[1], stated), (&*format!("`{name}`"), named(*value)), "<{}>", schema.name);
                     let example = format!("{name}=\"{}\"", row[6].trim_matches('`'));
                     assert!(chapter.contains(&example), "{example}");
                 }

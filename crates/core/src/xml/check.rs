@@ -70,7 +70,7 @@ pub(crate) fn check(file: &Path, text: &str) -> Result<()> {
 mod tests {
     use super::*;
 
-    fn said(text: &str) -> String {
+    fn message(text: &str) -> String {
         check(Path::new(""), text).map_or_else(|problem| problem.to_string(), |()| String::new())
     }
 
@@ -84,24 +84,24 @@ mod tests {
         let many = element(300_000, "");
         let hidden = format!("<R x='<' y=\"'\"><!-- {many}> --><![CDATA[{many}>]]><?p {many}?>{many}</R>");
         let without = hidden.replace(&format!("?>{many}"), "?>");
-        assert_eq!(said(&without), "");
+        assert_eq!(message(&without), "");
         for text in [&hidden, &format!("{many}/>"), &format!("\n\n{many}>")] {
             let line = 1 + text.bytes().filter(|&byte| byte == b'\n').count();
             let expected = format!("line {line}: <A>: has 300000 attributes; at most 256 are allowed");
-            assert_eq!(said(text), expected);
+            assert_eq!(message(text), expected);
         }
-        assert!(said(&many).starts_with("line 1: is not well-formed XML: "));
-        assert_eq!(said(&format!("{}/>", element(MOST_ATTRIBUTES, ""))), "");
-        assert_ne!(said(&format!("{}/>", element(MOST_ATTRIBUTES + 1, ""))), "");
+        assert!(message(&many).starts_with("line 1: is not well-formed XML: "));
+        assert_eq!(message(&format!("{}/>", element(MOST_ATTRIBUTES, ""))), "");
+        assert_ne!(message(&format!("{}/>", element(MOST_ATTRIBUTES + 1, ""))), "");
         let entity = format!("<?xml version='1.0'?>\n<!DOCTYPE A [<!ENTITY e '{many}/>'>]><A>&e;</A>");
-        assert_eq!(said(&entity), "line 2: <!DOCTYPE>: document types are not allowed");
+        assert_eq!(message(&entity), "line 2: <!DOCTYPE>: document types are not allowed");
     }
 
     #[test]
     fn namespaces_are_counted_as_far_as_they_hold() {
         let beside: String = (0..1000).map(|k| format!("<A xmlns:a{k}=''><B/></A><A xmlns=''/>")).collect();
-        assert_eq!(said(&format!("<R>{beside}</R>")), "");
+        assert_eq!(message(&format!("<R>{beside}</R>")), "");
         let nested = format!("{}>", element(100, "xmlns:")).repeat(3000);
-        assert_eq!(said(&nested), "line 1: <A>: 300 namespaces are in scope; at most 256 are allowed");
+        assert_eq!(message(&nested), "line 1: <A>: 300 namespaces are in scope; at most 256 are allowed");
     }
 }

@@ -208,7 +208,7 @@ impl<'a> Element<'a> {
 mod tests {
     use super::*;
 
-    fn said(bytes: &[u8]) -> String {
+    fn message(bytes: &[u8]) -> String {
         let read = Document::parse(Path::new("f.xml"), bytes, 5);
         let name = read.and_then(|document| document.root("A").map(|root| root.name().to_owned()));
         name.unwrap_or_else(|problem| problem.to_string())
@@ -228,10 +228,10 @@ mod tests {
             ("", "f.xml:1: is not well-formed XML: "),
             ("<A/>\n&e;", "f.xml:2: is not well-formed XML: "),
         ] {
-            assert!(said(text.as_bytes()).starts_with(expected), "{text}: {}", said(text.as_bytes()));
+            assert!(message(text.as_bytes()).starts_with(expected), "{text}: {}", message(text.as_bytes()));
         }
-        assert_eq!(said(b"<A>\n\xff</A>"), "f.xml:2: is not UTF-8 text");
-        assert!(said(b"<A><b/><b/><b/><b/></A>").contains("limit"));
+        assert_eq!(message(b"<A>\n\xff</A>"), "f.xml:2: is not UTF-8 text");
+        assert!(message(b"<A><b/><b/><b/><b/></A>").contains("limit"));
     }
 
     const TEXT: &str =
@@ -247,9 +247,9 @@ mod tests {
             (b.number("x"), b.number("none"), b.optional("x")),
             (Ok(Some(2.0)), Ok(None), Some(" 2 "))
         );
-        let said = |result: Result<Option<f64>>| result.unwrap_err().to_string();
-        assert_eq!(said(b.number("y")), "f.xml:3: <B> y=\"inf\": must be finite");
-        assert_eq!(said(b.number("z")), "f.xml:3: <B> z=\"yes\": must be a number");
+        let message = |result: Result<Option<f64>>| result.unwrap_err().to_string();
+        assert_eq!(message(b.number("y")), "f.xml:3: <B> y=\"inf\": must be finite");
+        assert_eq!(message(b.number("z")), "f.xml:3: <B> z=\"yes\": must be a number");
         assert_eq!(b.text("none").unwrap_err().to_string(), "f.xml:2: <B>: has no none");
         assert_eq!(b.wrong("none", "is missing").to_string(), "f.xml:2: <B> none: is missing");
         assert_eq!(b.boolean("z").unwrap_err().to_string(), "f.xml:3: <B> z=\"yes\": must be true or false");

@@ -109,10 +109,10 @@ fn speeds_and_starts_are_drawn_with_the_seed() {
         let wishes = DecisionConfig::from_toml(&format!("waypoints = [{{ x = 5, y = 0 }}]\n{text}")).unwrap();
         Plan::of(&Trial::of([], Vec::new(), 0.05), &wishes).unwrap_err().to_string()
     };
-    let said = refused("start = { min = 2, max = 1 }");
-    assert_eq!(said, "everybody: start: min = 2, max = 1: min must be below max");
-    let said = refused("desired_speed = { mean = 9, sd = 1, min = 1, max = 2 }");
-    assert!(said.contains("more than 6 standard deviations"), "{said}");
+    let message = refused("start = { min = 2, max = 1 }");
+    assert_eq!(message, "everybody: start: min = 2, max = 1: min must be below max");
+    let message = refused("desired_speed = { mean = 9, sd = 1, min = 1, max = 2 }");
+    assert!(message.contains("more than 6 standard deviations"), "{message}");
     assert!(refused("start = -1").contains("from 0 to 1e9"));
 }
 

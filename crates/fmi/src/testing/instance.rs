@@ -322,8 +322,8 @@ impl TestInstance {
     /// Asserts `Ok`; what was told until then is forgotten.
     #[track_caller]
     pub fn must(&self, status: Status) {
-        let said = self.take_messages();
-        assert_eq!(status, Status::Ok, "{said:?}");
+        let messages = self.take_messages();
+        assert_eq!(status, Status::Ok, "{messages:?}");
     }
 
     /// Returns the message of a call that took a value out of its range, which both versions discard.
@@ -336,10 +336,12 @@ impl TestInstance {
     /// Asserts an error with one message, or that values were discarded, and returns its text.
     #[track_caller]
     pub fn refused(&self, status: Status) -> String {
-        let said = self.take_messages();
-        assert!(matches!(status, Status::Error | Status::Discard), "{status:?} {said:?}");
-        let [Message { status: told, category, text }] = &*said else { panic!("one message, not {said:?}") };
-        assert_eq!((*told, &**category), (status, "logStatusError"), "{said:?}");
+        let messages = self.take_messages();
+        assert!(matches!(status, Status::Error | Status::Discard), "{status:?} {messages:?}");
+        let [Message { status: told, category, text }] = &*messages else {
+            panic!("one message, not {messages:?}")
+        };
+        assert_eq!((*told, &**category), (status, "logStatusError"), "{messages:?}");
         text.clone()
     }
 

@@ -45,8 +45,8 @@ fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
         ("density", json!(9.0), "number and density: one of them"),
     ] {
         let base = with(with(base.clone(), "number", json!(40)), key, value);
-        let said = refused(&mut lab, own(base), &[]);
-        assert!(said.contains(words), "{key}: {said}");
+        let message = refused(&mut lab, own(base), &[]);
+        assert!(message.contains(words), "{key}: {message}");
     }
 }
 
@@ -101,16 +101,16 @@ fn a_geometry_file_becomes_a_room() {
     let (found, _) = ask(&mut lab, &drawn("Geometry.xml"), text.as_bytes());
     assert_eq!(found["ok"]["room"]["outline"], square(3.0, 2.0)["outline"], "{found}");
     let broken = text.replacen("Coordinates=\"", "Coordinates=\"east \u{20}", 1);
-    let said = refused(&mut lab, drawn("Geometry.xml"), broken.as_bytes());
-    assert!(said.contains("Geometry.xml") && said.contains("east"), "{said}");
+    let message = refused(&mut lab, drawn("Geometry.xml"), broken.as_bytes());
+    assert!(message.contains("Geometry.xml") && message.contains("east"), "{message}");
     // Open walls come along; a room needs a closed one.
     let open = r#"<Wall Id="7" MaterialId="concrete"><Corner Coordinates="1.0,0.0"/><Corner Coordinates="1.0,1.0"/></Wall></Geometry>"#;
     let both = text.replace("</Geometry>", open);
     let (found, _) = ok_of(&mut lab, drawn("Geometry.xml"), both.as_bytes());
     assert_eq!(found["room"]["walls"], json!([{"corners": [[1.0, 0.0], [1.0, 1.0]], "of": null}]));
     let alone = format!("<?xml version=\"1.0\"?><Geometry>{open}");
-    let said = refused(&mut lab, drawn("Geometry.xml"), alone.as_bytes());
-    assert!(said.contains("none of its 1 walls is closed"), "{said}");
+    let message = refused(&mut lab, drawn("Geometry.xml"), alone.as_bytes());
+    assert!(message.contains("none of its 1 walls is closed"), "{message}");
 }
 
 #[test]
@@ -124,14 +124,17 @@ fn a_drawing_becomes_a_room_with_exits() {
     assert_eq!(names(&hall["exits"]), ["north", "south"]);
     assert_eq!((&hall["layers"], hall["distributions"].as_array().unwrap().len()), (&json!([]), 1));
     // As many walls as `lemons room` says.
-    let said: Vec<[String; 2]> = read(&hall["said"]);
-    let how = |what: &str| said.iter().find(|line| line[0] == what).map(|line| line[1].clone()).unwrap();
-    assert!(how("walls").starts_with("8: 8 closed"), "{said:?}");
+    let lines: Vec<[String; 2]> = read(&hall["said"]);
+    let how = |what: &str| lines.iter().find(|line| line[0] == what).map(|line| line[1].clone()).unwrap();
+    assert!(how("walls").starts_with("8: 8 closed"), "{lines:?}");
     assert_eq!(hall["room"]["obstacles"].as_array().unwrap().len(), 7);
     assert!(close(hall["area"].as_f64().unwrap(), how("ground")[..7].parse().unwrap(), 5e-4));
     let office = plan("office.dxf");
-    let said = refused(&mut lab, drawn("office.dxf"), &office);
-    assert!(said.contains("office.dxf: it does not say") && said.contains("mm: 9.00 m x 8.00 m"), "{said}");
+    let message = refused(&mut lab, drawn("office.dxf"), &office);
+    assert!(
+        message.contains("office.dxf: it does not say") && message.contains("mm: 9.00 m x 8.00 m"),
+        "{message}"
+    );
     let in_mm = with(with(drawn("office.dxf"), "unit", json!(0.001)), "origin", json!(true));
     let (apart, _) = ok_of(&mut lab, in_mm.clone(), &office);
     let (joined, _) = ok_of(&mut lab, with(in_mm, "close", json!(0.05)), &office);
@@ -159,11 +162,11 @@ fn a_drawing_becomes_a_room_with_exits() {
         ("a.wkt", b"POLYGON ((0 0, 1", "a.wkt: "),
         ("a.svg", b"<!DOCTYPE svg [<!ENTITY a \"b\">]><svg/>", "a.svg: "),
     ] {
-        let said = refused(&mut lab, drawn(name), content);
-        assert!(said.starts_with(words), "{said}");
+        let message = refused(&mut lab, drawn(name), content);
+        assert!(message.starts_with(words), "{message}");
     }
-    let said = refused(&mut lab, with(drawn("a.dxf"), "unit", json!(-1.0)), b"");
-    assert!(said.contains("length of a unit [m] = -1"), "{said}");
+    let message = refused(&mut lab, with(drawn("a.dxf"), "unit", json!(-1.0)), b"");
+    assert!(message.contains("length of a unit [m] = -1"), "{message}");
 }
 
 #[test]
@@ -208,8 +211,8 @@ fn the_walls_of_an_opened_trial_are_changed_and_nothing_else_is() {
             "x of a corner",
         ),
     ] {
-        let said = refused(&mut lab, edited(&room), &[]);
-        assert!(said.contains(words), "{said}");
+        let message = refused(&mut lab, edited(&room), &[]);
+        assert!(message.contains(words), "{message}");
     }
     let of_crowd = with(own(crowd(2, square(3.0, 3.0))), "edits", json!([{"do": "room", "room": room}]));
     assert!(refused(&mut lab, of_crowd, &[]).contains("has its room already"));
@@ -320,8 +323,8 @@ fn requests_that_are_none_are_refused() {
     let short = take(1, json!({"file": "fmu", "version": 2, "binaries": [["linux64", 5]]}));
     assert!(refused(&mut lab, short, b"1234").contains("its content is missing"));
     let many = own(crowd(40, square(1.0, 1.0)));
-    let said = refused(&mut lab, many, &[]);
-    assert!(said.contains("40 people do not fit") && said.contains("about 8 of them do"), "{said}");
+    let message = refused(&mut lab, many, &[]);
+    assert!(message.contains("40 people do not fit") && message.contains("about 8 of them do"), "{message}");
     assert!(refused(&mut lab, own(json!({"kind": "example", "name": "moon"})), &[]).contains("moon"));
 }
 

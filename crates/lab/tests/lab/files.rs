@@ -44,7 +44,7 @@ fn a_trial_that_is_taken_is_opened_again_with_its_drive() {
 #[test]
 fn uploads_are_bounded_and_errors_name_file_element_attribute_and_value() {
     let mut lab = Lab::default();
-    let mut said_of = |bytes: &[u8]| refused(&mut lab, opened("u.zip", bytes), bytes);
+    let mut message_of = |bytes: &[u8]| refused(&mut lab, opened("u.zip", bytes), bytes);
     for (bytes, words) in [
         (vec![0; 100], "u.zip: it is no zip: invalid Zip archive"),
         (vec![0; upload::LARGEST_UPLOAD + 1], "more than 50 MB"),
@@ -55,28 +55,28 @@ fn uploads_are_bounded_and_errors_name_file_element_attribute_and_value() {
             "several Trials in it: a, b",
         ),
     ] {
-        let said = said_of(&bytes);
-        assert!(said.contains(words), "{said}");
+        let message = message_of(&bytes);
+        assert!(message.contains(words), "{message}");
     }
     // A megabyte of nothing in a kilobyte, in two files.
     let nothing = vec![b' '; 500_000];
     let bomb = zipped(&[("a/Parameters.xml", &nothing), ("a/b.xml", &nothing), ("a/c.xml", &nothing)]);
-    let said = upload::open("u.zip", &[("u.zip", &bomb)], 1_200_000).unwrap_err().0;
-    assert!(said.contains("a/c.xml: it is larger than"), "{said}");
+    let message = upload::open("u.zip", &[("u.zip", &bomb)], 1_200_000).unwrap_err().0;
+    assert!(message.contains("a/c.xml: it is larger than"), "{message}");
     let radius = push_with("P/", "static/Agents.xml", |text| text.replacen("Radius=\"", "Radius=\"-", 1));
-    let said = said_of(&radius);
+    let message = message_of(&radius);
     for word in ["P/static/Agents.xml", "<Shape>", "Radius", "-0."] {
-        assert!(said.contains(word), "{word}: {said}");
+        assert!(message.contains(word), "{word}: {message}");
     }
     let drive = push_with("P/", "drive.csv", |text| text.replace("0.02,0,", "0.02,Bob,"));
-    let said = said_of(&drive);
-    assert!(said.contains("P/drive.csv") && said.contains("no agent \"Bob\""), "{said}");
+    let message = message_of(&drive);
+    assert!(message.contains("P/drive.csv") && message.contains("no agent \"Bob\""), "{message}");
     // A step of hours.
     let long =
         push_with("P/", "Parameters.xml", |text| text.replace("TimeStep=\"0.05\"", "TimeStep=\"5000\""));
     open(&mut lab, "u.zip", &long);
-    let said = refused(&mut lab, advance(1, 1), &[]);
-    assert!(said.contains("TimeStep of 5000 s"), "{said}");
+    let message = refused(&mut lab, advance(1, 1), &[]);
+    assert!(message.contains("TimeStep of 5000 s"), "{message}");
 }
 
 #[test]
@@ -98,8 +98,8 @@ fn a_folder_is_read_as_a_zip_is_and_one_without_parameters_gets_them() {
         files.iter().filter(|(name, _)| !["Parameters.xml", "drive.csv"].contains(name)).copied().collect();
     let (request, bytes) = folder(&without);
     let (value, _) = ask(&mut lab, &request, &bytes);
-    let said = value["ok"]["notes"][0].as_str().unwrap_or_else(|| panic!("{value}"));
-    assert!(said.contains("no Parameters.xml") && said.contains("0.01 s"), "{said}");
+    let message = value["ok"]["notes"][0].as_str().unwrap_or_else(|| panic!("{value}"));
+    assert!(message.contains("no Parameters.xml") && message.contains("0.01 s"), "{message}");
     assert_eq!(value["ok"]["scene"]["step"], 0.01);
     for directory in ["", "X & \"Y\"/"] {
         let name = |path: &str| format!("{directory}{}", path.rsplit('/').next().unwrap());
@@ -191,8 +191,8 @@ fn changed_materials_of_things_wait_until_somebody_of_a_crowd_has_them() {
     assert_eq!(of_frames(&all["scene"]), [8e6]);
     let (nobody, _) = ok(&mut lab, shown(json!({"adult": 1}), "frame"));
     assert!(of_frames(&nobody["scene"]).is_empty());
-    let said = refused(&mut lab, shown(json!({"adult": 1}), "steel"), &[]);
-    assert!(said.contains("no material \"steel\""), "{said}");
+    let message = refused(&mut lab, shown(json!({"adult": 1}), "steel"), &[]);
+    assert!(message.contains("no material \"steel\""), "{message}");
     // Files of a Trial do not change by chance.
     let mut of_trial = push();
     of_trial["mechanics"] = changed("frame");
@@ -270,8 +270,8 @@ fn materials_and_steps_are_changed_as_the_files_have_them() {
         ),
     ] {
         wanted["mechanics"] = with(key, value);
-        let said = refused(&mut lab, wanted.clone(), &[]);
-        assert!(said.contains(words), "{said}");
+        let message = refused(&mut lab, wanted.clone(), &[]);
+        assert!(message.contains(words), "{message}");
     }
 }
 

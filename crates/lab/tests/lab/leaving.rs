@@ -91,8 +91,8 @@ fn of_several_exits_people_take_the_quickest_unless_they_have_shares() {
 fn places_that_nobody_can_reach_are_named() {
     let mut lab = Lab::default();
     let mut wrong = |place: Value, exits: &[Value], goals: &[Value], words: &str| {
-        let said = refused(&mut lab, show(crowd(3, place), go(exits, goals)), &[]);
-        assert!(said.contains(words), "{said}");
+        let message = refused(&mut lab, show(crowd(3, place), go(exits, goals)), &[]);
+        assert!(message.contains(words), "{message}");
     };
     wrong(room(), &[line("the wall", [0.0, 0.5, 0.0, 2.5])], &[], "exit \"the wall\": lies on walls");
     let out = [line("out", [5.0, 0.0, 5.0, 3.0])];

@@ -19,8 +19,8 @@ fn a_person_has_the_breadth_and_depth_that_are_asked_for_and_a_rank() {
     let rank = |k: usize| is["measures"][k]["rank"].as_f64().unwrap();
     assert!((rank(2) - 0.74).abs() < 0.02 && (rank(3) - 0.5).abs() < 0.01, "{is}");
     let broad = json!({"ask": "person", "sex": "male", "breadth": 50});
-    let said = refused(&mut lab, broad, &[]);
-    assert!(said.contains("50") && said.contains("breadth"), "{said}");
+    let message = refused(&mut lab, broad, &[]);
+    assert!(message.contains("50") && message.contains("breadth"), "{message}");
 }
 
 fn area(polygon: &Value) -> f64 {
@@ -136,8 +136,8 @@ fn bodies_may_be_round_and_people_have_another_friction() {
         !contacts.is_empty() && contacts.iter().all(|line| line.contains("KineticFriction=\"0.05\"")),
         "{materials}"
     );
-    let said = refused(&mut lab, own(with(base, "friction", json!(3))), &[]);
-    assert!(said.contains("friction") && said.contains('3'), "{said}");
+    let message = refused(&mut lab, own(with(base, "friction", json!(3))), &[]);
+    assert!(message.contains("friction") && message.contains('3'), "{message}");
 }
 
 #[test]
@@ -168,8 +168,8 @@ fn populations_are_the_survey_own_statistics_or_tables() {
     let (shown, _) = ask(&mut lab, &tables(table), table.as_bytes());
     assert_eq!(shown["ok"]["scene"]["people"][29]["breadth"], 0.4, "{shown}");
     let wrong = table.replace("400", "4000");
-    let said = refused(&mut lab, tables(&wrong), wrong.as_bytes());
-    assert!(said.contains("t.csv") && said.contains("4000"), "{said}");
+    let message = refused(&mut lab, tables(&wrong), wrong.as_bytes());
+    assert!(message.contains("t.csv") && message.contains("4000"), "{message}");
 }
 
 #[test]
@@ -247,17 +247,20 @@ fn a_mix_of_kinds_is_drawn_shown_kept_and_walks_at_its_own_speeds() {
             "the mix of kinds: the share of \"adult\" = -1: must not be negative",
         ),
     ] {
-        let said = refused(&mut lab, walk(&with(base.clone(), "mix", mix)), &[]);
-        assert!(said.starts_with(words), "{said}");
+        let message = refused(&mut lab, walk(&with(base.clone(), "mix", mix)), &[]);
+        assert!(message.starts_with(words), "{message}");
     }
-    let said = refused(&mut lab, walk(&with(base.clone(), "round", json!(true))), &[]);
-    assert!(said.contains("round bodies are of adults with nothing"), "{said}");
+    let message = refused(&mut lab, walk(&with(base.clone(), "round", json!(true))), &[]);
+    assert!(message.contains("round bodies are of adults with nothing"), "{message}");
     let full = with(crowd(60, square(5.0, 5.0)), "mix", json!({"wheelchair": 1}));
-    let said = refused(&mut lab, own(full), &[]);
+    let message = refused(&mut lab, own(full), &[]);
     // 60 chairs of 0.7 m² have more than 25 m²: about half of them fit.
     let count: f64 =
-        said.split("about ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok()).unwrap();
-    assert!(said.starts_with("60 people do not fit on 25.00 m²") && (15.0..36.0).contains(&count), "{said}");
+        message.split("about ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok()).unwrap();
+    assert!(
+        message.starts_with("60 people do not fit on 25.00 m²") && (15.0..36.0).contains(&count),
+        "{message}"
+    );
     // All kinds, with a picture of each.
     let (kinds, _) = ok(&mut lab, json!({"ask": "kinds"}));
     let kinds = kinds.as_array().unwrap();

@@ -24,8 +24,8 @@ fn a_pulse_gives_its_momentum_to_those_in_the_circle() {
     let way = frames[frames.len() - COLUMNS + 1] - at[1];
     let expected = 2.0 / std::f64::consts::PI * 50.0 / (mass * 4.5);
     assert!(close(way / expected, 1.0, 5e-3), "{way} {expected}");
-    let said = refused(&mut lab, show(base, json!({"kind": "push", "pushes": [pulse(at[0] + 1.0)]})), &[]);
-    assert!(said.contains("push 1: nobody stands in its circle"), "{said}");
+    let message = refused(&mut lab, show(base, json!({"kind": "push", "pushes": [pulse(at[0] + 1.0)]})), &[]);
+    assert!(message.contains("push 1: nobody stands in its circle"), "{message}");
     // One that is over before the next communication point is told to have no effect.
     let mut short = pulse(at[0]);
     short["duration"] = json!(0.01);
@@ -114,8 +114,9 @@ fn ways_have_shares() {
     assert_eq!(last.chunks(COLUMNS).filter(|of| of[0] < 5.0).count(), 6);
     let arrived = last.chunks(COLUMNS).filter(|of| of[COLUMNS - 1] == 0.0).count();
     assert_eq!(json!(arrived), advanced["arrived"][999]);
-    let said = refused(&mut lab, show(crowd(8, square(10.0, 2.0)), with(motion, "shares", json!([1]))), &[]);
-    assert!(said.contains("1 shares of 2 ways"), "{said}");
+    let message =
+        refused(&mut lab, show(crowd(8, square(10.0, 2.0)), with(motion, "shares", json!([1]))), &[]);
+    assert!(message.contains("1 shares of 2 ways"), "{message}");
 }
 
 #[test]
@@ -235,8 +236,8 @@ fn a_map_has_the_numbers_of_plots_and_goes_on() {
     map.add(numbers(&first).chunks(COLUMNS).map(|of| vec2(of[0], of[1])));
     assert_eq!(numbers(&bytes), map.values());
     // Frames of squeeze are not added to a map of density, which stays as it was.
-    let said = refused(&mut lab, asked("squeeze", false), &rows(&first, 300.0));
-    assert!(said.contains("of another quantity"), "{said}");
+    let message = refused(&mut lab, asked("squeeze", false), &rows(&first, 300.0));
+    assert!(message.contains("of another quantity"), "{message}");
     let twice = ok_of(&mut lab, asked("density", false), &one).1;
     map.add(numbers(&first).chunks(COLUMNS).map(|of| vec2(of[0], of[1])));
     assert_eq!(numbers(&twice), map.values());

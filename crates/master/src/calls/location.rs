@@ -55,22 +55,22 @@ mod tests {
     #[test]
     #[cfg(unix)]
     fn the_resources_are_named_by_an_uri() {
-        let said = |path: &str| file_uri(Path::new(path)).unwrap().into_string().unwrap();
-        assert_eq!(said("/tmp/a_b-c.d~/resources"), "file:///tmp/a_b-c.d~/resources/");
-        assert_eq!(said("/tmp/a b%20#?/ü/"), "file:///tmp/a%20b%2520%23%3F/%C3%BC/");
+        let uri = |path: &str| file_uri(Path::new(path)).unwrap().into_string().unwrap();
+        assert_eq!(uri("/tmp/a_b-c.d~/resources"), "file:///tmp/a_b-c.d~/resources/");
+        assert_eq!(uri("/tmp/a b%20#?/ü/"), "file:///tmp/a%20b%2520%23%3F/%C3%BC/");
         let here = std::env::current_dir().unwrap();
-        assert_eq!(said("x"), said(here.join("x").to_str().unwrap()));
+        assert_eq!(uri("x"), uri(here.join("x").to_str().unwrap()));
         // As the other side reads it.
-        let read = lemons_fmi::location::directories(&said("/tmp/a b%20#?/ü")).unwrap();
+        let read = lemons_fmi::location::directories(&uri("/tmp/a b%20#?/ü")).unwrap();
         assert_eq!(read[0], Path::new("/tmp/a b%20#?/ü/"));
     }
 
     #[test]
     fn a_path_of_windows_is_named_by_an_uri() {
-        let said = |path: &str| uri_of(path.as_bytes(), true);
-        assert_eq!(said(r"C:\Users\Jürgen\a b%\x"), "file:///C:/Users/J%C3%BCrgen/a%20b%25/x/");
-        assert_eq!(said(r"\\?\C:\Users\x\"), "file:///C:/Users/x/");
-        assert_eq!(said(r"\\server\share\x"), "file://server/share/x/");
-        assert_eq!(said(r"\\?\UNC\server\share\x"), "file://server/share/x/");
+        let uri = |path: &str| uri_of(path.as_bytes(), true);
+        assert_eq!(uri(r"C:\Users\Jürgen\a b%\x"), "file:///C:/Users/J%C3%BCrgen/a%20b%25/x/");
+        assert_eq!(uri(r"\\?\C:\Users\x\"), "file:///C:/Users/x/");
+        assert_eq!(uri(r"\\server\share\x"), "file://server/share/x/");
+        assert_eq!(uri(r"\\?\UNC\server\share\x"), "file://server/share/x/");
     }
 }

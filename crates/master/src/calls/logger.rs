@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn what_an_fmu_tells_is_formatted_as_printf_does() {
-        let said = heard(|environment| {
+        let messages = heard(|environment| {
             let (name, category) = (c"x".as_ptr(), c"all".as_ptr());
             // SAFETY: arguments as the formats want them.
             unsafe {
@@ -120,20 +120,20 @@ mod tests {
             }
         });
         assert_eq!(
-            (said.errors(), said.warnings()),
+            (messages.errors(), messages.warnings()),
             (vec!["this is 7 of 0.50 %".into()], vec!["\u{fffd} plain".into()])
         );
     }
 
     #[test]
     fn an_endless_message_is_cut() {
-        let said = heard(|environment| {
+        let messages = heard(|environment| {
             // SAFETY: a width and its argument.
             unsafe {
                 let (format, width) = (c"%*d".as_ptr(), 50_000_000 as c_int);
                 lemons_logger(environment, null(), Status::Error, null(), format, width, 1 as c_int);
             }
         });
-        assert_eq!(said.errors()[0].len(), 1_000_000);
+        assert_eq!(messages.errors()[0].len(), 1_000_000);
     }
 }

@@ -95,9 +95,9 @@ pub(super) fn read(fmu: &Fmu) -> Result<Vec<Described>> {
     let bytes = manifest.bytes()?;
     let document = Document::parse(&manifest.shown, &bytes, NODES)?;
     let root = document.root("fmiReferences")?;
-    let said =
+    let name =
         root.attributes().find(|own| own.namespace() == Some(NAMESPACE) && own.name() == "fmi-ls-name");
-    if said.is_none_or(|said| said.value() != NAME) {
+    if name.is_none_or(|name| name.value() != NAME) {
         return Err(root.problem(format!("fmi-ls-name must be {NAME:?}")).into());
     }
     let mut described = Vec::new();

@@ -185,7 +185,7 @@ mod tests {
     use super::*;
     use std::io::Cursor;
 
-    fn said(names: &[&str], change: impl Fn(Vec<u8>) -> Vec<u8>) -> String {
+    fn message(names: &[&str], change: impl Fn(Vec<u8>) -> Vec<u8>) -> String {
         let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
         for name in names {
             zip.start_file(*name, SimpleFileOptions::default()).unwrap();
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn two_entries_of_one_name_are_refused_by_name() {
         // The writer refuses to write it: it is made of another name.
-        let twice = said(&["x", "model.xml", "nodel.xml", "y"], |mut bytes| {
+        let twice = message(&["x", "model.xml", "nodel.xml", "y"], |mut bytes| {
             while let Some(at) = bytes.windows(5).position(|text| text == b"nodel") {
                 bytes[at] = b'm';
             }
@@ -215,8 +215,8 @@ mod tests {
             ("\u{c4}", "\u{e4}"),
         ] {
             let refused = format!("the entries {one:?} and {other:?} have one name");
-            assert_eq!(said(&[one, other], |bytes| bytes), refused);
+            assert_eq!(message(&[one, other], |bytes| bytes), refused);
         }
-        assert_eq!(said(&["a", "a/b", "b", "a.b", "..."], |bytes| bytes), "5");
+        assert_eq!(message(&["a", "a/b", "b", "a.b", "..."], |bytes| bytes), "5");
     }
 }

@@ -63,10 +63,10 @@ fn values_of_each_type_are_set_and_read_in_any_order() {
     );
     // 50000² does not fit into what tables have, 300 not into an Int8.
     instance.set_text(&["u64.in"], "50000").unwrap();
-    let said = numbers(&["u64.out"]).unwrap_err().whole();
-    assert_eq!(said, "fmi3GetUInt64: 2500000000 is not a value of Int32, to which it is read");
-    let said = instance.set_text(&["i8.in"], "300").unwrap_err().whole();
-    assert_eq!(said, "fmi3SetInt8: 300 is not a value of Int8");
+    let message = numbers(&["u64.out"]).unwrap_err().whole();
+    assert_eq!(message, "fmi3GetUInt64: 2500000000 is not a value of Int32, to which it is read");
+    let message = instance.set_text(&["i8.in"], "300").unwrap_err().whole();
+    assert_eq!(message, "fmi3SetInt8: 300 is not a value of Int8");
 }
 
 #[test]
@@ -81,40 +81,43 @@ fn other_sizes_are_set_in_configuration_mode() {
     instance.step(0.0, 0.5).unwrap();
     instance.terminate().unwrap();
     fmu.configure([("n", "9")].into_iter()).unwrap();
-    let said = fmu.instantiate("x").map_or_else(|error| error.whole(), |_| "made".to_owned());
-    assert!(said.ends_with("arrays.fmu: fmi3SetUInt64 returned Error"), "{said}");
-    let said = fmu.configure([("n", "many")].into_iter()).unwrap_err().whole();
-    assert!(said.starts_with("n=many: not a size"), "{said}");
+    let message = fmu.instantiate("x").map_or_else(|error| error.whole(), |_| "made".to_owned());
+    assert!(message.ends_with("arrays.fmu: fmi3SetUInt64 returned Error"), "{message}");
+    let message = fmu.configure([("n", "many")].into_iter()).unwrap_err().whole();
+    assert!(message.starts_with("n=many: not a size"), "{message}");
 }
 
 #[test]
 fn a_step_that_does_not_end_as_a_whole_is_an_error_that_says_how() {
     let directory = TempDir::new().unwrap();
     let fmu = fmu(&directory);
-    let said = |mode: &str| {
+    let message = |mode: &str| {
         let instance = fmu.instantiate("x").unwrap();
         instance.set_text(&["mode"], mode).unwrap();
         instance.initialize().unwrap();
         let done = instance.step(1.0, 0.5).map_or_else(|error| error.whole(), |()| "done".to_owned());
         (done, instance.warnings().join("; "))
     };
-    assert_eq!(said("0"), ("done".into(), String::new()));
+    assert_eq!(message("0"), ("done".into(), String::new()));
     let within = "within the step from 1.0 s over 0.5 s";
-    assert_eq!(said("1").0, format!("fmi3DoStep: the FMU has returned at t = 1.25 s, {within}"));
-    assert_eq!(said("2").0, format!("fmi3DoStep: the FMU ends the simulation at t = 1.25 s, {within}"));
-    assert_eq!(said("3").0, "fmi3DoStep: the FMU wants Event Mode at t = 1.5 s, which this master has not");
+    assert_eq!(message("1").0, format!("fmi3DoStep: the FMU has returned at t = 1.25 s, {within}"));
+    assert_eq!(message("2").0, format!("fmi3DoStep: the FMU ends the simulation at t = 1.25 s, {within}"));
+    assert_eq!(
+        message("3").0,
+        "fmi3DoStep: the FMU wants Event Mode at t = 1.5 s, which this master has not"
+    );
     // A text is not a format; two number signs mean one.
-    assert_eq!(said("4"), ("50 % of the step # is too long".to_owned(), String::new()));
+    assert_eq!(message("4"), ("50 % of the step # is too long".to_owned(), String::new()));
     let warning = "warning: the step from t = 1.0 s returned the status fmi3Warning";
-    assert_eq!(said("5"), ("done".into(), warning.into()));
-    assert_eq!(said("6").0, "fmi3DoStep returned 5, which is no status of FMI");
+    assert_eq!(message("5"), ("done".into(), warning.into()));
+    assert_eq!(message("6").0, "fmi3DoStep returned 5, which is no status of FMI");
 }
 
 #[test]
 fn what_a_library_or_a_flag_lacks_is_named() {
     let directory = TempDir::new().unwrap();
     let path = directory.path().join("x.fmu");
-    let said = |description: &str, flags: &[&str]| {
+    let message = |description: &str, flags: &[&str]| {
         write(&path, description, flags);
         let fmu = Fmu::open(&path).unwrap();
         let made = fmu.instantiate("x").and_then(|instance| {
@@ -123,13 +126,13 @@ fn what_a_library_or_a_flag_lacks_is_named() {
         });
         made.map_or_else(|error| error.whole(), |()| "made".to_owned())
     };
-    assert_eq!(said(DESCRIPTION, &[]), "made");
-    let without = |name: &str| said(DESCRIPTION, &[&format!("-D{name}=other_{name}")]);
+    assert_eq!(message(DESCRIPTION, &[]), "made");
+    let without = |name: &str| message(DESCRIPTION, &[&format!("-D{name}=other_{name}")]);
     assert!(without("fmi3DoStep").contains("has no function fmi3DoStep"), "{}", without("fmi3DoStep"));
     // Only where it is needed.
     assert_eq!(without("fmi3SetInt8"), "the FMU has no function fmi3SetInt8");
     assert_eq!(without("fmi3GetUInt64"), "made");
-    let other = said(&DESCRIPTION.replace("{arrays}", "{other}"), &[]);
+    let other = message(&DESCRIPTION.replace("{arrays}", "{other}"), &[]);
     assert!(
         other.ends_with("x.fmu: has no directory resources, which it may need: 100 % of this # is a text"),
         "{other}"
@@ -183,7 +186,7 @@ fn arrays_are_coupled_by_ssp_2() {
     assert_eq!(real(1, "f64.in[1,2]"), 10.0, "10 (0 + 1)");
     assert_eq!((real(0, "f32.in[3]"), real(0, "f32.in[2]")), (11.0, 0.0), "only that element");
     assert_eq!(system.connections, 2);
-    let said = |from: &str, to: &str| {
+    let message = |from: &str, to: &str| {
         assert!(structure.contains(from), "{from}");
         assembled(&structure.replacen(from, to, 1)).map_or_else(|error| error.whole(), |_| "read".to_owned())
     };
@@ -219,7 +222,7 @@ fn arrays_are_coupled_by_ssp_2() {
             "n=99999999: the variables would have more than 8000000 values",
         ),
     ] {
-        let said = said(from, to);
-        assert!(said.contains(expected), "{to}: {said}");
+        let message = message(from, to);
+        assert!(message.contains(expected), "{to}: {message}");
     }
 }

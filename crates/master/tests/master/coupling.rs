@@ -280,12 +280,12 @@ fn what_does_not_fit_the_fmu_is_refused() {
         endConnector="integer.in"></ssd:Connection>"#;
     let units = r#"<ssd:Units><ssc:Unit name="km"><ssc:BaseUnit m="1" factor="1e3"/></ssc:Unit></ssd:Units>"#;
     let good = structure(connectors, [&binding, ""], connection, units);
-    let said = |from: &str, to: &str| {
+    let message = |from: &str, to: &str| {
         assert!(good.contains(from), "{from}");
         let made = assemble(&write_ssp(at, &good.replace(from, to)), Algorithm::Jacobi, &[]);
         made.map_or_else(|error| error.whole(), |_| "accepted".to_owned())
     };
-    assert_eq!(said("", ""), "accepted");
+    assert_eq!(message("", ""), "accepted");
     for (from, to, words) in [
         ("name=\"real.in\"", "name=\"real.ein\"", r#"name="real.ein": the FMU has no such"#),
         ("real.in\" kind=\"input\"", "real.in\" kind=\"output\"", r#"kind="output", but the FMU says input"#),
@@ -308,7 +308,7 @@ fn what_does_not_fit_the_fmu_is_refused() {
         ),
         ("<ssv:Real", "<ssv:String", "<Parameter> name=\"Delay\": the FMU's variable is of type Real"),
     ] {
-        let said = said(from, to);
-        assert!(said.contains(words) && said.contains("SystemStructure.ssd:"), "{said}");
+        let message = message(from, to);
+        assert!(message.contains(words) && message.contains("SystemStructure.ssd:"), "{message}");
     }
 }

@@ -115,7 +115,7 @@ fn what_is_broken_is_said_with_its_place() {
     let file = directory.path().join("changed.fmu");
     // Without compression it is read faster.
     std::fs::rename(replaced(&fmu, "modelDescription.xml", "", ""), &fmu).unwrap();
-    let said = |name: &str, old: &str, new: &str| {
+    let message = |name: &str, old: &str, new: &str| {
         let path = replaced(&fmu, &format!("{PLACE}/{name}"), old, new);
         let error = replay(&path, None).unwrap_err().whole();
         let prefix = format!("{}/{PLACE}/", file.display());
@@ -225,8 +225,8 @@ fn what_is_broken_is_said_with_its_place() {
             "inputs.csv:1: \"agent[0].Position.x\": the FMU has no such input that is a number",
         ),
     ] {
-        let said = said(name, old, new);
-        assert!(said.starts_with(expected), "{said}\ninstead of\n{expected}");
+        let message = message(name, old, new);
+        assert!(message.starts_with(expected), "{message}\ninstead of\n{expected}");
     }
     let error = |path: &Path| replay(path, None).unwrap_err().whole();
     let without = changed(&fmu, &format!("{PLACE}/outputs.csv"), |_| None);

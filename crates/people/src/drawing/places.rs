@@ -113,14 +113,14 @@ pub fn doubts(plan: &FloorPlan) -> Vec<String> {
         format!("{what} {name:?} at ({x:.2}, {y:.2}) m")
     };
     for place in &plan.distributions {
-        let said = named("distribution", place);
+        let label = named("distribution", place);
         let parts = (Part::of(&place.corners, ground.rooms.iter()), Part::of(&place.corners, ground.rings()));
         let (Some(within), Some(Part { share, pieces, largest })) = parts else {
-            doubts.push(format!("the sides of {said} cross: nobody can be placed there"));
+            doubts.push(format!("the sides of {label} cross: nobody can be placed there"));
             continue;
         };
         if share <= ROUNDING {
-            doubts.push(format!("{said} lies {outside}: nobody can be placed there"));
+            doubts.push(format!("{label} lies {outside}: nobody can be placed there"));
             continue;
         }
         for (part, of_whole, place) in [
@@ -129,16 +129,16 @@ pub fn doubts(plan: &FloorPlan) -> Vec<String> {
         ] {
             if part < of_whole {
                 let part = 100.0 * (1.0 - part);
-                doubts.push(format!("{part:.0} % of {said} lie {place}: people are placed elsewhere in it"));
+                doubts.push(format!("{part:.0} % of {label} lie {place}: people are placed elsewhere in it"));
             }
         }
         if pieces > 1 {
             doubts.push(format!(
-                "{said} lies in {pieces} places that walls keep apart: people are placed in one of them only"
+                "{label} lies in {pieces} places that walls keep apart: people are placed in one of them only"
             ));
         }
         if largest.is_none() {
-            doubts.push(format!("obstacles are most of {said}: nobody can be placed there"));
+            doubts.push(format!("obstacles are most of {label}: nobody can be placed there"));
         }
     }
     for place in &plan.waypoints {
@@ -204,31 +204,32 @@ mod tests {
         let far = plan(&[room, ("distributions-1", [20.0, 0.0, 22.0, 6.0])]);
         assert_eq!(inside(&far, &far.distributions[0].corners), None);
         let far = plan(&[room, ("waypoints-1", [-5.0, 3.0, -4.0, 4.0]), ("exits-a", [9.0, 0.0, 10.0, 1.0])]);
-        let said = doubts(&far);
+        let messages = doubts(&far);
         assert!(
-            said[0].contains("way-point \"1\" at (-5.00, 3.00) m") && said[1].contains("exit \"a\""),
-            "{said:?}"
+            messages[0].contains("way-point \"1\" at (-5.00, 3.00) m") && messages[1].contains("exit \"a\""),
+            "{messages:?}"
         );
         let apart = plan(&[room, ("walkablearea-1", [20.0, 0.0, 25.0, 5.0])]);
         assert!(doubts(&apart)[0].starts_with("the area of 25.00 m² from (20.00, 0.00) to (25.00, 5.00) m"));
         // Of two that are as large, one is the outline.
         let equal = plan(&[room, ("walkablearea-1", [20.0, 0.0, 28.0, 6.0])]);
-        let (said, outline) = (doubts(&equal), Ring::through(equal.walls[equal.outline.unwrap()].clone()));
+        let (messages, outline) =
+            (doubts(&equal), Ring::through(equal.walls[equal.outline.unwrap()].clone()));
         let other =
             if outline.unwrap().contains(Vec2::from([1.0, 1.0])) { "(20.00, 0.00)" } else { "(0.00, 0.00)" };
-        assert!(said.len() == 1 && said[0].contains(other), "{said:?}");
-        assert!(said[0].contains("does not touch that of the outline"), "{said:?}");
+        assert!(messages.len() == 1 && messages[0].contains(other), "{messages:?}");
+        assert!(messages[0].contains("does not touch that of the outline"), "{messages:?}");
         let both = plan(&[
             room,
             ("walkablearea-1", [20.0, 0.0, 25.0, 5.0]),
             ("distributions-1", [4.0, 1.0, 21.0, 2.0]),
         ]);
         assert_eq!(inside(&both, &both.distributions[0].corners).unwrap().len(), 4);
-        let said = doubts(&both);
+        let messages = doubts(&both);
         // 4 m of 17 m in the one, 1 m in the other.
         assert!(
-            said[0].starts_with("71 % of distribution") && said[1].contains("lies in 2 places"),
-            "{said:?}"
+            messages[0].starts_with("71 % of distribution") && messages[1].contains("lies in 2 places"),
+            "{messages:?}"
         );
         // Of 8 m by 6.5 m, 8 m by 2.5 m are beside the bar.
         let hall = ("walkablearea-0", [0.0, 0.0, 30.0, 20.0]);
@@ -244,8 +245,11 @@ mod tests {
             ("waypoints-1", [13.0, 7.0, 14.0, 8.0]),
         ]);
         assert_eq!(inside(&around, &around.distributions[0].corners), None);
-        let said = doubts(&around);
-        assert!(said[1].contains("obstacles are most of") && said[2].contains("way-point \"1\""), "{said:?}");
+        let messages = doubts(&around);
+        assert!(
+            messages[1].contains("obstacles are most of") && messages[2].contains("way-point \"1\""),
+            "{messages:?}"
+        );
         // Ground that an obstacle encloses.
         let ring = [[1.0, 1.0, 9.0, 2.0], [1.0, 8.0, 9.0, 9.0], [1.0, 1.0, 2.0, 9.0], [8.0, 1.0, 9.0, 9.0]];
         let mut hall = vec![hall];
@@ -256,8 +260,11 @@ mod tests {
             inside(&island, &island.distributions[0].corners).unwrap(),
             island.distributions[0].corners
         );
-        let said = doubts(&island);
-        assert!(said.len() == 1 && said[0].starts_with("the area of 36.00 m² from (2.00, 2.00)"), "{said:?}");
+        let messages = doubts(&island);
+        assert!(
+            messages.len() == 1 && messages[0].starts_with("the area of 36.00 m² from (2.00, 2.00)"),
+            "{messages:?}"
+        );
         // All is well; an obstacle is no area apart.
         let well =
             plan(&[room, ("obstacles-0", [2.0, 2.0, 3.0, 3.0]), ("distributions-1", [0.0, 0.0, 8.0, 6.0])]);

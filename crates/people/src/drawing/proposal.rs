@@ -252,36 +252,36 @@ impl Proposal {
     }
 
     /// Says what it proposes, a line each: what, and how much of it.
-    pub fn said(&self) -> Vec<(&'static str, String)> {
-        let mut said = Vec::new();
+    pub fn messages(&self) -> Vec<(&'static str, String)> {
+        let mut messages = Vec::new();
         for layer in self.layers.iter().take(MOST_SAID) {
-            said.push(("layer", self.layer(layer)));
+            messages.push(("layer", self.layer(layer)));
         }
         if !self.ground.is_empty() {
             let all = Bounds::of(self.ground.iter().flatten().copied()).unwrap_or(Bounds::UNIT);
             let [x, y] = <[f64; 2]>::from(all.size()).map(number);
-            said.push((
+            messages.push((
                 "outline",
                 format!("{x} m x {y} m from {}, {:.3} m² within walls", place(all.low), self.areas[0]),
             ));
-            said.push(("ground", format!("{:.3} m² without obstacles", self.areas[1])));
+            messages.push(("ground", format!("{:.3} m² without obstacles", self.areas[1])));
         }
         for (thickness, length) in self.thicknesses.iter().take(5) {
-            said.push((
+            messages.push((
                 "wall of two lines",
                 format!("{} cm thick, {length:.1} m of it", number(100.0 * thickness)),
             ));
         }
         if !self.open.is_empty() {
             let length: f64 = self.open.iter().map(|[a, b]| (b - a).norm()).sum();
-            said.push(("walls of one line", format!("{length:.1} m of it stand in the ground")));
+            messages.push(("walls of one line", format!("{length:.1} m of it stand in the ground")));
         }
         for (layer, count, area) in &self.obstacles {
-            said.push(("obstacles", format!("{count} on layer {layer:?}, {area:.3} m²")));
+            messages.push(("obstacles", format!("{count} on layer {layer:?}, {area:.3} m²")));
         }
         if let Some(close) = self.close {
             let largest = self.closed.iter().copied().fold(0.0, f64::max);
-            said.push((
+            messages.push((
                 "small gaps",
                 format!(
                     "{} between ends of lines, the largest {:.1} mm: --close {}cm joins them",
@@ -292,10 +292,10 @@ impl Proposal {
             ));
         }
         for gap in &self.gaps {
-            said.push((gap.kind(), gap.described()));
+            messages.push((gap.kind(), gap.described()));
         }
-        said.extend(self.questions.iter().map(|question| ("question", question.clone())));
-        said
+        messages.extend(self.questions.iter().map(|question| ("question", question.clone())));
+        messages
     }
 
     fn layer(&self, Layer { name, sort, by_name, lines, .. }: &Layer) -> String {

@@ -76,50 +76,50 @@ impl Read {
     }
 
     /// Says what was understood, a line each: what, and how much of it. `name` is the drawing's.
-    pub fn said(&self, name: &str) -> Vec<(&'static str, String)> {
+    pub fn messages(&self, name: &str) -> Vec<(&'static str, String)> {
         let Read { plan, format, unit, unit_from, .. } = self;
         let from = match unit_from {
             UnitFrom::User => "as asked for",
             UnitFrom::File => "$INSUNITS",
             UnitFrom::Format => "by custom",
         };
-        let mut said = vec![("drawing", format!("{name}: {}, unit {unit} m ({from})", format.name()))];
+        let mut messages = vec![("drawing", format!("{name}: {}, unit {unit} m ({from})", format.name()))];
         if let Some(Bounds { low, high }) = plan.bounds() {
             let size = high - low;
             let [x, y] = low.into();
-            said.push((
+            messages.push((
                 "size",
                 format!("{:.3} m x {:.3} m, lower left corner at {x:.3},{y:.3}", size.x, size.y),
             ));
         }
-        said.extend(self.doubtful());
+        messages.extend(self.doubtful());
         if plan.origin != Vec2::zeros() {
             let [x, y] = plan.origin.into();
-            said.push(("moved", format!("by {:?},{:?} m", told(-x), told(-y))));
+            messages.push(("moved", format!("by {:?},{:?} m", told(-x), told(-y))));
         }
-        said.push(("walls", self.walls()));
+        messages.push(("walls", self.walls()));
         if let Some(area) = plan.area() {
             let of = if plan.ground.is_some() { "of all areas" } else { "within the outline" };
-            said.push(("ground", format!("{area:.3} m² {of}, without obstacles")));
+            messages.push(("ground", format!("{area:.3} m² {of}, without obstacles")));
         }
         let names = some_of(&plan.within);
         match plan.within.len() {
             0 => {}
-            1 => said.push((
+            1 => messages.push((
                 "warning",
                 format!(
                     "{names} lies within another polygon and is counted as floor; if it is an obstacle, draw it as a hole"
                 ),
             )),
-            _ => said.push((
+            _ => messages.push((
                 "warning",
                 format!(
                     "{names} lie within other polygons and are counted as floor; if they are obstacles, draw them as holes"
                 ),
             )),
         }
-        said.extend(self.doubt.clone().map(|doubt| ("in doubt", doubt)));
-        self.changes(&mut said);
+        messages.extend(self.doubt.clone().map(|doubt| ("in doubt", doubt)));
+        self.changes(&mut messages);
         let named = |places: &[NamedPlace]| {
             // Names may hold anything.
             let names: Vec<String> =
@@ -130,12 +130,12 @@ impl Read {
             [("exits", &plan.exits), ("distributions", &plan.distributions), ("way-points", &plan.waypoints)]
         {
             if !places.is_empty() {
-                said.push((what, named(places)));
+                messages.push((what, named(places)));
             }
         }
         for (exit, door) in plan.doors() {
             let name = &plan.exits[exit].name;
-            said.push((
+            messages.push((
                 "door",
                 format!(
                     "{} m wide where exit {name:?} lies on a closed wall, or up to 0.2 m from it",
@@ -146,7 +146,7 @@ impl Read {
         for exit in plan.inner_exits() {
             let name = &plan.exits[exit].name;
             let advice = "for a door, draw a line on the wall, or an exit beyond an opening";
-            said.push((
+            messages.push((
                 "warning",
                 format!(
                     "exit {name:?} lies inside closed walls: people vanish in the room, as by stairs or a lift; {advice}"
@@ -155,11 +155,11 @@ impl Read {
         }
         said.extend(places::doubts(plan).into_iter().map(|doubt| ("warning", doubt)));
         let kinds = plan.left_out.len();
-        said.extend(plan.left_out.iter().take(MOST_LEFT_OUT).map(|kind| ("left out", left_out(kind))));
+        messages.extend(plan.left_out.iter().take(MOST_LEFT_OUT).map(|kind| ("left out", left_out(kind))));
         if kinds > MOST_LEFT_OUT {
-            said.push(("left out", format!("{} more kinds", kinds - MOST_LEFT_OUT)));
+            messages.push(("left out", format!("{} more kinds", kinds - MOST_LEFT_OUT)));
         }
-        said
+        messages
     }
 
     /// Returns a doubt: probably another unit, or too far away.
@@ -188,10 +188,10 @@ impl Read {
     }
 
     /// Adds what is other than in the drawing.
-    fn changes(&self, said: &mut Vec<(&'static str, String)>) {
+    fn changes(&self, messages: &mut Vec<(&'static str, String)>) {
         let FloorPlan { joined, doubles, on_others, ground, .. } = &self.plan;
         if self.curves > 0 {
-            said.push((
+            messages.push((
                 "curves",
                 format!(
                     "{} in straight pieces, at most {} mm away from them",
@@ -206,25 +206,25 @@ impl Read {
             } else {
                 String::new()
             };
-            said.push(("gaps closed", format!("{}{largest}", joined.gaps)));
+            messages.push(("gaps closed", format!("{}{largest}", joined.gaps)));
         }
         if joined.left > 0 {
-            said.push((
+            messages.push((
                 "gaps left",
                 format!("{}, of at most {} cm, between ends of lines", joined.left, 100.0 * WIDEST_GAP),
             ));
         }
         if *doubles > 0 {
-            said.push(("doubles", format!("{doubles} lines lay on others, and are left out")));
+            messages.push(("doubles", format!("{doubles} lines lay on others, and are left out")));
         }
         if *on_others > 0 {
-            said.push((
+            messages.push((
                 "on each other",
                 format!("{on_others} pieces of walls lie on other walls, and push twice"),
             ));
         }
         if ground.is_some() {
-            said.push((
+            messages.push((
                 "united",
                 format!(
                     "areas that meet, or are at most {} cm apart: the walls are the rim of areas without obstacles",

@@ -43,8 +43,8 @@ pub(super) fn read(bytes: &[u8], reading: &Reading) -> Result<Tracer> {
     require(bytes.len() <= LARGEST, || {
         format!("is larger than {} MB, the limit of SVG", LARGEST / 1_000_000)
     })?;
-    let document = Document::parse(Path::new(""), bytes, MOST_NODES).map_err(said)?;
-    let root = document.root("svg").map_err(said)?;
+    let document = Document::parse(Path::new(""), bytes, MOST_NODES).map_err(from_error)?;
+    let root = document.root("svg").map_err(from_error)?;
     let mut tracer = Tracer::new(Tracer::unit_of(reading, None), reading);
     let into = tracer.scale().after(&upright(root)?);
     let mut by_id = HashMap::new();
@@ -69,7 +69,7 @@ pub(super) fn read(bytes: &[u8], reading: &Reading) -> Result<Tracer> {
     Ok(tracer)
 }
 
-fn said(error: impl ToString) -> PeopleError {
+fn from_error(error: impl ToString) -> PeopleError {
     PeopleError::new(error.to_string())
 }
 
@@ -91,7 +91,7 @@ fn view_box(element: Element) -> Result<Option<ViewBox>> {
     let all: Option<Vec<f64>> = words.map(|word| word.parse().ok().filter(|x: &f64| x.is_finite())).collect();
     match all.as_deref() {
         Some(&[x, y, w, h]) => Ok(Some(ViewBox { x, y, w, h })),
-        _ => Err(said(element.wrong("viewBox", "must be four numbers"))),
+        _ => Err(from_error(element.wrong("viewBox", "must be four numbers"))),
     }
 }
 
@@ -102,7 +102,7 @@ fn extent(element: Element, attribute: &str, whole: Option<f64>) -> Result<Optio
         Some(text) => match text.strip_suffix('%') {
             Some(share) => {
                 let share: Option<f64> = share.parse().ok().filter(|share: &f64| share.is_finite());
-                let share = share.ok_or_else(|| said(element.wrong(attribute, "must be a length")))?;
+                let share = share.ok_or_else(|| from_error(element.wrong(attribute, "must be a length")))?;
                 Ok(whole.map(|whole| whole * share / 100.0))
             }
             None => Ok(Some(length(element, attribute, 0.0)?)),
@@ -113,8 +113,9 @@ fn extent(element: Element, attribute: &str, whole: Option<f64>) -> Result<Optio
 /// Returns the map from a view box into a rectangle at the origin of this size.
 fn fitted(element: Element, view: ViewBox, size: Vec2) -> Result<Affine> {
     let how = element.optional("preserveAspectRatio").unwrap_or("xMidYMid");
-    let AspectRatio { align, slice, .. } =
-        how.parse().map_err(|_| said(element.wrong("preserveAspectRatio", "must be as xMidYMid meet")))?;
+    let AspectRatio { align, slice, .. } = how
+        .parse()
+        .map_err(|_| from_error(element.wrong("preserveAspectRatio", "must be as xMidYMid meet")))?;
     let each = vec2(size.x / view.w, size.y / view.h);
     let both = if slice { each.x.max(each.y) } else { each.x.min(each.y) };
     let (scale, [x, y]) = match align {
@@ -139,7 +140,7 @@ fn fitted(element: Element, view: ViewBox, size: Vec2) -> Result<Affine> {
 /// Returns a length in user units: 96 of them are an inch.
 fn length(element: Element, attribute: &str, otherwise: f64) -> Result<f64> {
     let Some(text) = element.optional(attribute) else { return Ok(otherwise) };
-    let wrong = |must: &str| said(element.wrong(attribute, must));
+    let wrong = |must: &str| from_error(element.wrong(attribute, must));
     let Length { number, unit } = text.trim().parse().map_err(|_| wrong("must be a length"))?;
     let scale = match unit {
         LengthUnit::None | LengthUnit::Px => 1.0,
@@ -183,12 +184,12 @@ impl Filled {
             let (_, value) = parts.find(|(key, _)| key.trim() == name)?;
             Some(value.trim().trim_end_matches("!important").trim_end())
         };
-        let said = |name: &str| styled(name).or(element.optional(name).map(str::trim));
-        let none = match said("fill") {
+        let style = |name: &str| styled(name).or(element.optional(name).map(str::trim));
+        let none = match style("fill") {
             None | Some("inherit") => self.none,
             Some(paint) => paint == "none",
         };
-        let even_odd = match said("fill-rule") {
+        let even_odd = match style("fill-rule") {
             Some("evenodd") => true,
             Some("nonzero") => false,
             _ => self.even_odd,
@@ -262,10 +263,9 @@ impl<'a> Walk<'a, '_> {
             return Ok(());
         }
         let into = match element.optional("transform") {
-            Some(text) => into
-                .after(&transform(text).ok_or_else(|| {
-                    said(element.wrong("transform", "must be a list of finite transforms"))
-                })?),
+            Some(text) => into.after(&transform(text).ok_or_else(|| {
+                from_error(element.wrong("transform", "must be a list of finite transforms"))
+            })?),
             None => *into,
         };
         match kind {
@@ -388,7 +388,7 @@ impl<'a> Walk<'a, '_> {
 }
 
 fn placed(element: Element, error: PeopleError) -> PeopleError {
-    said(element.problem(error.to_string()))
+    from_error(element.problem(error.to_string()))
 }
 
 fn transform(text: &str) -> Option<Affine> {
@@ -438,7 +438,8 @@ fn path(element: Element, trace: &mut Trace) -> Result<()> {
     let (mut cubic, mut quadratic) = (None, None);
     let mut is_open = false;
     for segment in PathParser::from(element.optional("d").unwrap_or("")) {
-        let segment = segment.map_err(|error| said(element.wrong("d", format!("is not a path: {error}"))))?;
+        let segment =
+            segment.map_err(|error| from_error(element.wrong("d", format!("is not a path: {error}"))))?;
         let origin = if segment.is_abs() { Vec2::zeros() } else { at };
         let place = |x: f64, y: f64| origin + vec2(x, y);
         if !is_open && !matches!(segment, MoveTo { .. } | ClosePath { .. }) {

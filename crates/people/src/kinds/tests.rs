@@ -252,7 +252,7 @@ fn impossible_kinds_are_refused() {
         Kinds::built_in().unwrap().with(table).unwrap_err().to_string()
     };
     let speed = "speed = { min = 1, max = 2 }\n";
-    for (text, said) in [
+    for (text, expected) in [
         ("speed = { min = 2, max = 1 }\n", "speed: min = 2, max = 1: min must be below max"),
         ("speed = { min = 1, max = 2 }\nperson = \"child\"", "ages: of children there must be ages"),
         (
@@ -267,7 +267,7 @@ fn impossible_kinds_are_refused() {
         ),
     ] {
         let message = refused(&format!("[x]\n{text}"));
-        assert!(message.starts_with("kind \"x\": ") && message.contains(said), "{message}");
+        assert!(message.starts_with("kind \"x\": ") && message.contains(expected), "{message}");
     }
     let table: BTreeMap<String, PersonKind> = toml::from_str(&format!("[pedestrian]\n{speed}")).unwrap();
     let message = Kinds::built_in().unwrap().with(table).unwrap_err().to_string();
@@ -281,9 +281,9 @@ fn impossible_kinds_are_refused() {
         let shares = text.iter().map(|(name, share)| ((*name).to_owned(), *share)).collect();
         Kinds::built_in().unwrap().mix(&shares)
     };
-    let said = mix(&[("adlt", 1.0)]).unwrap_err().to_string();
+    let message = mix(&[("adlt", 1.0)]).unwrap_err().to_string();
     assert!(
-        said.starts_with("there is no kind \"adlt\" (did you mean \"adult\"?); kinds are adult, backpack")
+        message.starts_with("there is no kind \"adlt\" (did you mean \"adult\"?); kinds are adult, backpack")
     );
     assert!(mix(&[("adult", 0.0)]).is_err() && mix(&[("adult", -1.0), ("child", 2.0)]).is_err());
     let half = mix(&[("adult", 3.0), ("child", 3.0)]).unwrap();

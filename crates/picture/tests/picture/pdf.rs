@@ -68,10 +68,10 @@ fn what_no_picture_here_has_is_refused() {
     let svg = |inside: &str| {
         format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"9\" height=\"9\">{inside}</svg>")
     };
-    let said = |inside: &str| pdf(&svg(inside)).unwrap_err().to_string();
-    assert!(said("<g opacity=\"0.5\"><path d=\"M0 0H5V5Z\"/></g>").contains("opacity"));
+    let message = |inside: &str| pdf(&svg(inside)).unwrap_err().to_string();
+    assert!(message("<g opacity=\"0.5\"><path d=\"M0 0H5V5Z\"/></g>").contains("opacity"));
     let radial = "<radialGradient id=\"r\"><stop offset=\"0\"/><stop offset=\"1\" stop-color=\"red\"/></radialGradient>";
-    assert!(said(&format!("{radial}<path fill=\"url(#r)\" d=\"M0 0H5V5Z\"/>")).contains("gradients"));
+    assert!(message(&format!("{radial}<path fill=\"url(#r)\" d=\"M0 0H5V5Z\"/>")).contains("gradients"));
     assert!(pdf("<svg").is_err());
     assert!(!text(&pdf(&svg("")).unwrap()).contains("/UserUnit"));
     // Readers refuse sides of more than 14400 units.

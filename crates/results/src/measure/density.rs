@@ -142,7 +142,7 @@ mod tests {
         let within = MeasuringArea::of_numbers(&[2.0, 0.0, 8.0, 2.0]).unwrap();
         for walls in [vec![line(0.0), line(2.0)], vec![Wall::new("all", "stone", closed)]] {
             let measured = measured_area(&walls, &heads).unwrap();
-            assert!((measured.polygon.outer.area() - 20.0).abs() < 1e-9, "{:?}", measured.said);
+            assert!((measured.polygon.outer.area() - 20.0).abs() < 1e-9, "{:?}", measured.messages);
             let room = VoronoiRoom::of(&measured.polygon);
             let seen = within.measure(&frame(&places), Some(&room));
             assert!((seen.voronoi_density.unwrap() - 3.0).abs() < 1e-6, "{seen:?}");

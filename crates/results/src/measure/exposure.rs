@@ -70,7 +70,7 @@ pub struct SqueezeOverTime {
     /// Whether a span of this length was over.
     spanned: bool,
     /// Whether all frames say how people are squeezed.
-    said: bool,
+    complete: bool,
     /// Places of those who are seen in frames.
     agents: Vec<usize>,
     people: Vec<Exposed>,
@@ -93,7 +93,7 @@ impl SqueezeOverTime {
             levels: levels.to_vec(),
             over,
             spanned: false,
-            said: true,
+            complete: true,
             people: vec![Exposed { above, ..Exposed::default() }; agents.len()],
             agents,
             impulses: MovingMeans::over(SPANS.into_iter().chain(over).fold(0.0, f64::max)),
@@ -105,9 +105,9 @@ impl SqueezeOverTime {
     pub fn see(&mut self, frame: &Frame, by: Option<By>) {
         let seen = frame.observed.as_deref();
         let mut steps = seen.unwrap_or_default().iter().map(|seen| seen.of_step);
-        self.said &= seen.is_some()
+        self.complete &= seen.is_some()
             && steps.all(|step| step.is_some_and(|step| by.is_none() || step.mean_wall_force.is_some()));
-        if self.said {
+        if self.complete {
             let squeezes: Vec<_> = self.agents.iter().map(|agent| squeeze(frame, *agent, by)).collect();
             self.add(frame.time, squeezes.into_iter());
         }
@@ -179,7 +179,7 @@ impl SqueezeOverTime {
     /// # Errors
     /// Why it is not known.
     pub fn finish(&self) -> Result<Vec<Exposed>, &'static str> {
-        if !self.said {
+        if !self.complete {
             return Err("the results do not contain the mean squeeze over communication steps");
         }
         if self.longest_step <= 0.0 {

@@ -250,7 +250,10 @@ mod tests {
             read(100_000).unwrap().frames.map(|all| (all.first, all.last, all.step)),
             Some((0, 9999, 1))
         );
-        let said = read(20_000).err().unwrap().to_string();
-        assert!(said.contains("walk.sqlite: to read its tables takes more than 20000 operations"), "{said}");
+        let message = read(20_000).err().unwrap().to_string();
+        assert!(
+            message.contains("walk.sqlite: to read its tables takes more than 20000 operations"),
+            "{message}"
+        );
     }
 }

@@ -16,14 +16,14 @@ const LONGEST_LINE: u64 = 65_536;
 
 /// Information in comments.
 #[derive(Default)]
-struct Said {
+struct Stated {
     /// Units in a metre.
     per_metre: Option<f64>,
     /// \[1/s\]
     rate: Option<f64>,
 }
 
-impl Said {
+impl Stated {
     /// Takes what a comment says of the frame rate and of the unit.
     fn take(&mut self, comment: &str) -> Result<(), String> {
         let comment = comment.to_ascii_lowercase();
@@ -96,11 +96,11 @@ impl<'a> Lines<'a> {
 
 pub(super) fn read(path: &Path, file: File, told: &Told) -> Result<Found, RecordError> {
     let mut lines = Lines::new(path, file);
-    let (mut rows, mut said, mut head) = (Rows::new(path, "line"), Said::default(), None);
+    let (mut rows, mut stated, mut head) = (Rows::new(path, "line"), Stated::default(), None);
     while let Some((n, line)) = lines.next()? {
         let (line, comment) = line.split_once('#').map_or((line, None), |(line, after)| (line, Some(after)));
         if let (Some(comment), None) = (comment, head) {
-            said.take(comment).map_err(|wrong| rows.wrong(n, wrong))?;
+            stated.take(comment).map_err(|wrong| rows.wrong(n, wrong))?;
         }
         let mut cells = line.split_whitespace();
         let Some(first) = cells.next() else { continue };
@@ -114,7 +114,7 @@ pub(super) fn read(path: &Path, file: File, told: &Told) -> Result<Found, Record
         let per_metre = match head {
             Some(per_metre) => per_metre,
             None => *head.insert(
-                per_metre_of(&said, told).map_err(|wrong| rows.wrong(n, format!("x = {x}: {wrong}")))?,
+                per_metre_of(&stated, told).map_err(|wrong| rows.wrong(n, format!("x = {x}: {wrong}")))?,
             ),
         };
         let whole = |name, text: &str| {
@@ -131,7 +131,7 @@ pub(super) fn read(path: &Path, file: File, told: &Told) -> Result<Found, Record
         let position = vec2(number("x", x)? / per_metre, number("y", y)? / per_metre);
         rows.add(n, id, frame, position, f64::NAN)?;
     }
-    let rate = rate_of(path, said.rate, told.rate)?;
+    let rate = rate_of(path, stated.rate, told.rate)?;
     let (what, rows) = (rows.what, rows.rows);
     Ok(Found {
         what,
@@ -146,8 +146,8 @@ pub(super) fn read(path: &Path, file: File, told: &Told) -> Result<Found, Record
 }
 
 /// Returns how many units are a metre.
-fn per_metre_of(said: &Said, told: &Told) -> Result<f64, String> {
-    match (said.per_metre, told.per_metre) {
+fn per_metre_of(stated: &Stated, told: &Told) -> Result<f64, String> {
+    match (stated.per_metre, told.per_metre) {
         (Some(own), Some(told)) if own != told => {
             Err("the file says another unit than is told (--unit)".into())
         }

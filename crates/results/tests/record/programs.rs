@@ -19,7 +19,7 @@ fn read(text: &str) -> (Record, Run) {
     read_with(text.as_bytes(), &Told::default()).unwrap()
 }
 
-fn said(text: &str) -> String {
+fn message(text: &str) -> String {
     read_with(text.as_bytes(), &Told::default()).err().unwrap_or_default()
 }
 
@@ -96,7 +96,7 @@ fn fcd_of_sumo_has_persons_and_no_vehicles() {
         read(alone).0.trajectories().unwrap().notes[0]
             .contains("vehicles, if there are any, count as people")
     );
-    assert!(said(&alone.replace("person_", "vehicle_")).contains(
+    assert!(message(&alone.replace("person_", "vehicle_")).contains(
         "line 1: table of SUMO: without \"vehicle_lane\" or \"vehicle_edge\" people and vehicles cannot be told apart"
     ));
 }
@@ -162,7 +162,7 @@ fn viswalk_pathfinder_and_crowdit_are_read() {
         record.trajectories().unwrap().notes[0].contains("the last frame, at 2.775 s, is between two others")
     );
     let feet = pathfinder.replace("\"m\",\"m\",\"m\"", "\"ft\",\"ft\",\"ft\"");
-    assert!(said(&feet).contains("line 2: column x: is in \"ft\": must be in m"));
+    assert!(message(&feet).contains("line 2: column x: is in \"ft\": must be in m"));
     let (record, run) = read("time,pedID,posX,posY\n0.00,0,40.64,35.44\n0.40,0,41.00,35.44\n");
     assert_eq!(
         (times(&record), way(&run, 0)),
@@ -194,8 +194,8 @@ fn tables_of_others_say_what_is_wrong_in_them() {
         (";a;", ";;", "holds no row: nobody is in it"),
     ] {
         let text = csv.replace(from, to);
-        let said = said(&text);
-        assert!(said.contains(expected), "{from:?} → {to:?}: {said}");
+        let message = message(&text);
+        assert!(message.contains(expected), "{from:?} → {to:?}: {message}");
     }
     for (from, to, expected) in [
         (
@@ -212,10 +212,10 @@ fn tables_of_others_say_what_is_wrong_in_them() {
             "line 2: table of Vadere: there is no column \"simTime\"",
         ),
     ] {
-        let said = said(&VADERE.replace(from, to));
-        assert!(said.contains(expected), "{from:?} → {to:?}: {said}");
+        let message = message(&VADERE.replace(from, to));
+        assert!(message.contains(expected), "{from:?} → {to:?}: {message}");
     }
-    let other = said("$VISION\n* Table: Vehicles\n$VEHICLE:NO;SIMSEC\n1;2\n");
+    let other = message("$VISION\n* Table: Vehicles\n$VEHICLE:NO;SIMSEC\n1;2\n");
     assert!(other.contains("line 3: \"$VEHICLE:NO;SIMSEC\": is not the table of pedestrians"), "{other}");
     let centimetres = Told { per_metre: Some(100.0), ..Told::default() };
     for text in [csv, FCD] {
@@ -257,10 +257,10 @@ fn fcd_says_what_is_wrong_in_it() {
             "is longer than 1048576 bytes",
         ),
     ] {
-        let said = said(&text);
-        assert!(said.contains(expected), "{expected}: {said}");
+        let message = message(&text);
+        assert!(message.contains(expected), "{expected}: {message}");
     }
-    assert!(said("<svg><fcd-export/></svg>").contains("line 1: <svg>: must be <fcd-export>"));
+    assert!(message("<svg><fcd-export/></svg>").contains("line 1: <svg>: must be <fcd-export>"));
 }
 
 #[test]
@@ -272,10 +272,10 @@ fn who_is_not_known_is_told_what_is_read() {
     {
         write(&path, text).unwrap();
         assert!(!holds_trajectories(&path).unwrap(), "{text}");
-        let said = Record::of_others(&path, &Told::default()).err().unwrap().to_string();
+        let message = Record::of_others(&path, &Told::default()).err().unwrap().to_string();
         assert!(
-            said.contains("holds no trajectories that are read: ") && said.ends_with(READ),
-            "{text}: {said}"
+            message.contains("holds no trajectories that are read: ") && message.ends_with(READ),
+            "{text}: {message}"
         );
     }
 }

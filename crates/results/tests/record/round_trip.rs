@@ -117,17 +117,17 @@ fn a_series_is_the_same_files_again_or_says_what_is_broken() {
         assert!(text("out") == text("copy"), "{name:?}");
     }
     // A shorter run beside what is left of a longer one would be read as one.
-    let said = series(&read.every(2), &trial, &at.join("copy")).unwrap_err().to_string();
-    assert!(said.contains("of another run"), "{said}");
+    let message = series(&read.every(2), &trial, &at.join("copy")).unwrap_err().to_string();
+    assert!(message.contains("of another run"), "{message}");
 
     let out = at.join("out");
-    let said = |directory: &Path| read_series(directory, &trial).unwrap_err().to_string();
-    assert!(said(at).contains("holds no series"));
-    assert!(said(&at.join("none")).contains("none: cannot be read"));
+    let message = |directory: &Path| read_series(directory, &trial).unwrap_err().to_string();
+    assert!(message(at).contains("holds no series"));
+    assert!(message(&at.join("none")).contains("none: cannot be read"));
     let first = out.join("AgentDynamics output t=0.05.xml");
     let text = std::fs::read_to_string(&first).unwrap();
     std::fs::write(&first, text.replacen("Theta=\"", "Theta=\"x", 1)).unwrap();
-    assert!(said(&out).contains("t=0.05.xml:4: <Kinematics> Theta="), "{}", said(&out));
+    assert!(message(&out).contains("t=0.05.xml:4: <Kinematics> Theta="), "{}", message(&out));
     std::fs::write(&first, &text).unwrap();
     for (name, expected) in [
         ("AgentDynamics output t=soon.xml", "t=soon.xml: the name holds no time"),
@@ -135,7 +135,7 @@ fn a_series_is_the_same_files_again_or_says_what_is_broken() {
         ("AgentInteractions t=7.0.xml", "there is no \"AgentDynamics output t=7.0.xml\""),
     ] {
         std::fs::write(out.join(name), &text).unwrap();
-        assert!(said(&out).contains(expected), "{}", said(&out));
+        assert!(message(&out).contains(expected), "{}", message(&out));
         std::fs::remove_file(out.join(name)).unwrap();
     }
     std::fs::remove_file(out.join("AgentDynamics output t=0.3.xml")).unwrap();

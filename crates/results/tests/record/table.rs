@@ -62,7 +62,7 @@ fn groups_of_columns_are_read_where_all_are_there() {
 #[test]
 fn mistakes_name_file_line_and_column() {
     let directory = TempDir::new().unwrap();
-    let said = |text: &str| {
+    let message = |text: &str| {
         let message = Run::read_table(&table(&directory, text)).unwrap_err().to_string();
         assert!(message.contains("run.csv: "), "{message}");
         message
@@ -82,7 +82,7 @@ fn mistakes_name_file_line_and_column() {
             "line 4: at t = 0.2 s agent \"a\" is missing",
         ),
     ] {
-        let message = said(&format!("{HEADER}\n{rows}\n"));
+        let message = message(&format!("{HEADER}\n{rows}\n"));
         assert!(message.contains(expected), "{message}");
     }
     for (text, expected) in [
@@ -90,7 +90,7 @@ fn mistakes_name_file_line_and_column() {
         ("t,id,x,y,vx,vy,theta,omega,x\n", "two columns \"x\""),
         ("", "there is no column \"t\""),
     ] {
-        assert!(said(text).contains(expected), "{}", said(text));
+        assert!(message(text).contains(expected), "{}", message(text));
     }
     let path = directory.path().join("run.csv");
     fs::write(&path, [HEADER.as_bytes(), b"\n0,a,\xff,0,0,0,0,0,0\n"].concat()).unwrap();
@@ -121,11 +121,14 @@ fn times_must_be_even() {
     }
     let nowhere = walkable_area(&[], std::iter::once(Vec2::zeros()));
     let path = directory.path().join("out");
-    for said in [
+    for message in [
         pedpy(&run(&uneven), Staged::beside(&path).unwrap(), &path).unwrap_err().to_string(),
         jupedsim(&run(&uneven), &nowhere, &path).unwrap_err().to_string(),
     ] {
-        assert!(said.contains("run.csv: line 5: column t: t = 0.25 s comes 0.050000 s after"), "{said}");
+        assert!(
+            message.contains("run.csv: line 5: column t: t = 0.25 s comes 0.050000 s after"),
+            "{message}"
+        );
         assert!(!path.exists());
     }
     for (times, expected) in [
@@ -134,8 +137,8 @@ fn times_must_be_even() {
         (&[0.0, 5e-324], "the time between its frames is 5e-324 s, which gives no usable frame rate"),
         (&[-1e308, 1e308], "the time between its frames is inf s, which gives no usable frame rate"),
     ] {
-        let said = run(times).frame_rate().unwrap_err().to_string();
-        assert!(said.contains(expected), "{said}");
+        let message = run(times).frame_rate().unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
     }
     chaos(&run(&uneven), &path).unwrap();
 }
@@ -157,8 +160,8 @@ fn formats_are_as_their_readers_want_them() {
     let text = fs::read_to_string(at("chaos/traj001.csv")).unwrap();
     assert_eq!(text, "0.0,1.0,0.5,0.0\n0.1,1.3333333333333333,0.5,0.0\n0.2,1.6666666666666665,0.5,0.0\n");
     fs::write(at("chaos/traj002.csv"), "").unwrap();
-    let said = chaos(&run, &at("chaos")).unwrap_err().to_string();
-    assert!(said.contains("traj002.csv: is of another run"), "{said}");
+    let message = chaos(&run, &at("chaos")).unwrap_err().to_string();
+    assert!(message.contains("traj002.csv: is of another run"), "{message}");
 
     fs::write(at("t.sqlite"), "what was there before").unwrap();
     let positions = run.positions().unwrap();
@@ -187,13 +190,13 @@ fn agents_are_those_of_the_trial() {
     let directory = TempDir::new().unwrap();
     let resources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
     let (mut trial, _) = setup::read(&resources).unwrap();
-    let said = Record::from(good(&directory)).of_trial(&trial).err().unwrap().to_string();
-    assert!(said.contains("column id: there is no agent \"7\" in the Trial \"Trial_push\""), "{said}");
+    let message = Record::from(good(&directory)).of_trial(&trial).err().unwrap().to_string();
+    assert!(message.contains("column id: there is no agent \"7\" in the Trial \"Trial_push\""), "{message}");
     trial.agents[0].id = "3".into();
     trial.agents[1].id = "7".into();
     trial.agents[2].id = "2b".into();
-    let said = Record::from(good(&directory)).of_trial(&trial).err().unwrap().to_string();
-    assert!(said.contains("has no agent \"2b\""), "{said}");
+    let message = Record::from(good(&directory)).of_trial(&trial).err().unwrap().to_string();
+    assert!(message.contains("has no agent \"2b\""), "{message}");
     trial.agents.truncate(2);
     let run = Record::from(good(&directory)).of_trial(&trial).unwrap().read_wanted(KeptFrames::All).unwrap();
     assert_eq!((run.ids[0].as_str(), run.frames[0].agents[0].pose.position.x), ("3", 1.0));

@@ -76,19 +76,19 @@ fn a_text_without_a_head_is_told_its_unit_and_rate() {
     assert_eq!(record.times().collect::<Vec<_>>(), [0.4, 0.6, 0.8]);
     assert_eq!((record.frame_rate().unwrap(), run.frames[1].agents[0].twist.velocity.x), (5.0, 2.5));
     assert!(run.frames[0].active.is_none(), "all are always there");
-    let said = |told: &Told| read(&path, told).err().unwrap();
+    let message = |told: &Told| read(&path, told).err().unwrap();
     assert!(
-        said(&Told { per_metre: None, ..told })
+        message(&Told { per_metre: None, ..told })
             .contains("walk.txt: line 1: x = 1.5: no comment before it says the unit")
     );
-    assert!(said(&Told { rate: None, ..told }).contains("does not say how many frames per second"));
+    assert!(message(&Told { rate: None, ..told }).contains("does not say how many frames per second"));
     assert!(
-        said(&Told { rate: Some(f64::NAN), ..told }).contains("NaN frames per second: must be from 1e-6")
+        message(&Told { rate: Some(f64::NAN), ..told }).contains("NaN frames per second: must be from 1e-6")
     );
     let path = file(&at, TWO);
-    let said = |told: &Told| read(&path, told).err().unwrap();
-    assert!(said(&told).contains("another unit than is told"));
-    assert!(said(&Told { per_metre: None, ..told }).contains("says 4.0 frames per second, not 25.0"));
+    let message = |told: &Told| read(&path, told).err().unwrap();
+    assert!(message(&told).contains("another unit than is told"));
+    assert!(message(&Told { per_metre: None, ..told }).contains("says 4.0 frames per second, not 25.0"));
 }
 
 #[test]
@@ -117,22 +117,22 @@ fn a_text_says_what_is_wrong_in_it() {
         ("# framerate: 30000/1001\n1 1 0 0", "framerate: \"30000/1001\" begins with no plain number"),
         ("# framerate: 12,5\n1 1 0 0", "begins with no plain number"),
     ] {
-        let said = read(&file(&at, &format!("{head}{rows}")), &Told::default()).err().unwrap();
+        let message = read(&file(&at, &format!("{head}{rows}")), &Told::default()).err().unwrap();
         assert!(
-            said.starts_with(&at.path().display().to_string()) && said.contains(expected),
-            "{rows:?}: {said}"
+            message.starts_with(&at.path().display().to_string()) && message.contains(expected),
+            "{rows:?}: {message}"
         );
     }
-    let said = |text: &[u8]| {
+    let message = |text: &[u8]| {
         let path = at.path().join("bytes");
         write(&path, text).unwrap();
         read(&path, &Told::default()).err().unwrap()
     };
-    assert!(said(b"# x/m\n1 1 \xff 0\n").contains("line 2: is not UTF-8 text"));
-    assert!(said(&[b'1'; 100_000]).contains("line 1: is longer than 65536 bytes"));
-    assert!(said(b"t,id,x,y\n").contains("holds no trajectories"));
+    assert!(message(b"# x/m\n1 1 \xff 0\n").contains("line 2: is not UTF-8 text"));
+    assert!(message(&[b'1'; 100_000]).contains("line 1: is longer than 65536 bytes"));
+    assert!(message(b"t,id,x,y\n").contains("holds no trajectories"));
     assert!(
-        said(b"# framerate: -25\n# x/m\n1 1 0 0\n").contains("-25.0 frames per second: must be from 1e-6")
+        message(b"# framerate: -25\n# x/m\n1 1 0 0\n").contains("-25.0 frames per second: must be from 1e-6")
     );
     // A frame far away is no many frames.
     let alone = file(&at, &format!("{head}9000000000000000000 1000000000 0 0\n"));
@@ -246,16 +246,19 @@ fn a_database_says_what_is_wrong_in_it() {
             "has more than 1000 geometries",
         ),
     ] {
-        let said = read(&database(&at, change), &Told::default()).err().unwrap();
-        assert!(said.contains(expected), "{change}: {said}");
+        let message = read(&database(&at, change), &Told::default()).err().unwrap();
+        assert!(message.contains(expected), "{change}: {message}");
     }
     let path = database(&at, "");
     let whole = std::fs::read(&path).unwrap();
     // Cut off anywhere, it is refused; or what is there is sound.
     for size in [16, 100, 1000, 4096, 5000, 8192, whole.len() - 4096] {
         write(&path, &whole[..size]).unwrap();
-        let said = read(&path, &Told::default()).err().unwrap();
-        assert!(said.contains("is no sound database") || said.contains("not of JuPedSim"), "{size}: {said}");
+        let message = read(&path, &Told::default()).err().unwrap();
+        assert!(
+            message.contains("is no sound database") || message.contains("not of JuPedSim"),
+            "{size}: {message}"
+        );
     }
     write(&path, &whole).unwrap();
     let journal = at.path().join("walk ?#%.sqlite-wal");
@@ -269,8 +272,11 @@ fn frames_without_anybody_do_not_fill_the_memory() {
     let path = file(&at, "# framerate: 10\n# x/m\n1 0 0 0\n1 1 0 0\n1 6999999 0 0");
     let record = Record::of_others(&path, &Told::default()).unwrap();
     assert_eq!(record.frames(), 7_000_000);
-    let said = record.read_wanted(KeptFrames::All).unwrap_err().to_string();
-    assert!(said.contains("7000000 frames with places for 1 people would take more than 2 GB"), "{said}");
+    let message = record.read_wanted(KeptFrames::All).unwrap_err().to_string();
+    assert!(
+        message.contains("7000000 frames with places for 1 people would take more than 2 GB"),
+        "{message}"
+    );
     let stopped = record.read_unless(&AtomicBool::new(true), KeptFrames::Around(Vec::new())).unwrap_err();
     assert!(matches!(stopped, RecordError::Stopped { .. }));
 }

@@ -112,14 +112,14 @@ fn tables_of_parts_are_one_run() {
     let third = written("3.csv", TableFormat::Csv, &frames[21..]);
     let record = Record::tables(&[first.clone(), second.clone(), third.clone()]).unwrap();
     same(&record.read_wanted(KeptFrames::All).unwrap(), &frames);
-    let said = Record::tables(&[first.clone(), third, second]).err().unwrap().to_string();
+    let message = Record::tables(&[first.clone(), third, second]).err().unwrap().to_string();
     let expected =
         format!("2.parquet: begins at t = {:?} s, before the end of the table before it", 19.0 * 0.1);
-    assert!(said.contains(&expected), "{said}");
+    assert!(message.contains(&expected), "{message}");
     let text = std::fs::read_to_string(at("3.csv")).unwrap();
     std::fs::write(at("4.csv"), text.replace(",7,", ",8,")).unwrap();
-    let said = Record::tables(&[first, at("4.csv")]).err().unwrap().to_string();
-    assert!(said.contains("4.csv: its agents are not those of the first table"), "{said}");
+    let message = Record::tables(&[first, at("4.csv")]).err().unwrap().to_string();
+    assert!(message.contains("4.csv: its agents are not those of the first table"), "{message}");
 }
 
 #[test]
@@ -130,8 +130,8 @@ fn cut_off_parquet_is_refused() {
     let bytes = std::fs::read(&path).unwrap();
     for length in [4, 12, bytes.len() / 2, bytes.len() - 1] {
         std::fs::write(&path, &bytes[..length]).unwrap();
-        let said = Run::read_table(&path).unwrap_err().to_string();
-        assert!(said.contains("run.parquet: cannot be read as Parquet: "), "{said}");
+        let message = Run::read_table(&path).unwrap_err().to_string();
+        assert!(message.contains("run.parquet: cannot be read as Parquet: "), "{message}");
     }
 }
 

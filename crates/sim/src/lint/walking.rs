@@ -28,8 +28,8 @@ pub(super) fn unfit(plan: &Plan) -> Vec<(Rule, String)> {
     };
     let leave = plan.leaving().contains(&true).then(|| (leaving, String::new()));
     let meet = meeting(plan).map(|[one, other]| (opposite, format!("agents {one:?} and {other:?}: ")));
-    let said = |(rule, who): (Rule, String)| (rule, format!("{who}{}", rule.text()));
-    leave.into_iter().chain(meet).map(said).collect()
+    let finding = |(rule, who): (Rule, String)| (rule, format!("{who}{}", rule.text()));
+    leave.into_iter().chain(meet).map(finding).collect()
 }
 
 /// \[m\] Walls keep the centre of everybody who walks so far away.
@@ -253,9 +253,10 @@ mod tests {
             let config = format!("exits = [{}]", exits.iter().map(exit).collect::<Vec<_>>().join(", "));
             let config = DecisionConfig::from_toml(&config).unwrap();
             let trial = Trial::of(people.iter().map(person), geometry.walls.clone(), 0.05);
-            let said = out_of_reach(&Plan::of(&trial, &config).unwrap(), &geometry);
-            let of =
-                |k: &usize| said.iter().any(|(_, text)| text.starts_with(&format!("exit \"exit {k}\" at")));
+            let messages = out_of_reach(&Plan::of(&trial, &config).unwrap(), &geometry);
+            let of = |k: &usize| {
+                messages.iter().any(|(_, text)| text.starts_with(&format!("exit \"exit {k}\" at")))
+            };
             (0..exits.len()).filter(of).collect()
         };
         let [first, second, strip] = [[4.0, 4.0, 5.0, 5.0], [14.0, 4.0, 15.0, 5.0], [14.85, 1.0, 15.0, 4.0]];

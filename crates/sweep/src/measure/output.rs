@@ -188,14 +188,14 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_said() {
-        for (text, agents, said) in [
+        for (text, agents, message) in [
             ("of = 'x'\ntake = 'last'", 2, "across"),
             ("of = 'x'\ntake = 'first_above'", 1, "\"first_above\" needs a level"),
             ("of = 'x'\ntake = 'max'\nlevel = 1", 1, "level needs take"),
             ("of = 'x'\ntake = 'first_at_least'", 1, "\"first_at_least\" needs a level"),
         ] {
             let error = toml::from_str::<OfOutput>(text).unwrap().check(agents).unwrap_err();
-            assert!(error.contains(said), "{text}: {error}");
+            assert!(error.contains(message), "{text}: {error}");
         }
     }
 }

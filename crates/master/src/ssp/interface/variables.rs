@@ -195,7 +195,7 @@ mod tests {
         Interface::read(text.as_bytes()).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    fn said(text: &str) -> String {
+    fn message(text: &str) -> String {
         Interface::read(text.as_bytes()).map_or_else(|error| error.to_string(), |_| "read".to_owned())
     }
 
@@ -290,9 +290,9 @@ mod tests {
         }
         let twice = text.replace("TotalOther", "agent[1].Theta");
         assert!(
-            said(&twice).contains("name=\"agent[1].Theta\": an element of an array is called"),
+            message(&twice).contains("name=\"agent[1].Theta\": an element of an array is called"),
             "{}",
-            said(&twice)
+            message(&twice)
         );
     }
 }

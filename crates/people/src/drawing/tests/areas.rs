@@ -162,23 +162,24 @@ fn polygons_of_well_known_text_are_one_area() {
     // What is said of it.
     let room = "POLYGON ((0 0, 10 0, 10 5, 0 5, 0 0))";
     let boxes = ["POLYGON ((9 4, 10 4, 10 5, 9 5, 9 4))", "POLYGON ((2 1, 5 1, 5 4, 2 4, 2 1))"];
-    let said = |text: String| read_as(DrawingFormat::Wkt, &text).unwrap().said("x");
-    let find = |said: &[(&str, String)], key: &str| {
-        said.iter().find(|(what, _)| *what == key).map(|(_, how)| how.clone()).unwrap()
+    let messages = |text: String| read_as(DrawingFormat::Wkt, &text).unwrap().messages("x");
+    let find = |messages: &[(&str, String)], key: &str| {
+        messages.iter().find(|(what, _)| *what == key).map(|(_, how)| how.clone()).unwrap()
     };
-    let one = said(format!("GEOMETRYCOLLECTION ({room}, {})", boxes[0]));
+    let one = messages(format!("GEOMETRYCOLLECTION ({room}, {})", boxes[0]));
     assert_eq!(
         find(&one, "warning"),
         "POLYGON 1 lies within another polygon and is counted as floor; if it is an obstacle, draw it as a hole"
     );
     assert_eq!(find(&one, "ground"), "50.000 m² of all areas, without obstacles");
-    assert_eq!(find(&said(room.to_owned()), "ground"), "50.000 m² within the outline, without obstacles");
-    let two = said(format!("GEOMETRYCOLLECTION ({room}, {}, {})", boxes[0], boxes[1]));
+    assert_eq!(find(&messages(room.to_owned()), "ground"), "50.000 m² within the outline, without obstacles");
+    let two = messages(format!("GEOMETRYCOLLECTION ({room}, {}, {})", boxes[0], boxes[1]));
     assert!(
         find(&two, "warning").starts_with("POLYGON 1, POLYGON 2 lie within other polygons and are counted")
     );
-    let said = read_as(DrawingFormat::Wkt, "POLYGON ((0 0, 10 0, 0 5, 10 5, 0 0))").unwrap_err().to_string();
-    assert_eq!(said, "POLYGON 0: its sides cross or touch each other");
+    let messages =
+        read_as(DrawingFormat::Wkt, "POLYGON ((0 0, 10 0, 0 5, 10 5, 0 0))").unwrap_err().to_string();
+    assert_eq!(messages, "POLYGON 0: its sides cross or touch each other");
 }
 
 /// Two rooms that share a part of a side, turned by each angle, in millimetres: the wall between them is open.

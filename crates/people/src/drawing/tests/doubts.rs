@@ -10,8 +10,8 @@ fn units_and_places_that_no_room_has_are_doubted() {
         let text = dxf_of(&format!("9 $INSUNITS 70 {unit}"), "", &square);
         let reading = Reading::default();
         let read = Read::of(DrawingFormat::Dxf, text.as_bytes(), &reading, &PlanSettings::default()).unwrap();
-        let said = read.said("x");
-        let find = |key: &str| said.iter().find(|(what, _)| *what == key).map(|(_, how)| how.clone());
+        let messages = read.messages("x");
+        let find = |key: &str| messages.iter().find(|(what, _)| *what == key).map(|(_, how)| how.clone());
         (find("unit?"), find("far"), find("ground").unwrap())
     };
     assert_eq!(of("6", [0.0, 0.0]), (None, None, "48.000 m² within the outline, without obstacles".into()));
@@ -32,7 +32,7 @@ fn units_and_places_that_no_room_has_are_doubted() {
     let of = |x: f64, y: f64| {
         let read =
             read_as(DrawingFormat::Wkt, &format!("POLYGON ((0 0, {x} 0, {x} {y}, 0 {y}, 0 0))")).unwrap();
-        read.said("x").into_iter().find(|(what, _)| *what == "unit?").map(|(_, how)| how)
+        read.messages("x").into_iter().find(|(what, _)| *what == "unit?").map(|(_, how)| how)
     };
     let hall = of(15_000.0, 12_000.0).unwrap();
     assert!(hall.contains("mm: 15.00 m x 12.00 m"), "{hall}");
@@ -68,11 +68,11 @@ fn a_wall_that_only_the_swing_of_a_door_closes_is_doubted() {
         |right: f64| chain(&[(right, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (2.0, 0.0)]);
     let left = line((2.0, 0.0), (2.0, 0.9)) + &arc(2.0, 0.0, 0.9, 0, 90);
     let (doubt, doors) = of(&(room(2.9) + &left));
-    assert!(doubt.as_ref().is_some_and(|said| said.contains(&format!("{swing} 2.45,0:"))), "{doubt:?}");
+    assert!(doubt.as_ref().is_some_and(|message| message.contains(&format!("{swing} 2.45,0:"))), "{doubt:?}");
     assert_eq!(doors, [([2450.0, 0.0], 900.0)]);
     let right = line((3.8, 0.0), (3.8, 0.9)) + &arc(3.8, 0.0, 0.9, 90, 180);
     let (doubt, doors) = of(&(room(3.8) + &left + &right));
-    assert!(doubt.as_ref().is_some_and(|said| said.contains(swing)), "{doubt:?}");
+    assert!(doubt.as_ref().is_some_and(|message| message.contains(swing)), "{doubt:?}");
     assert_eq!(doors, [([2900.0, 0.0], 1800.0)]);
     let round =
         chain(&[(5.0, 0.0), (0.0, 0.0), (0.0, 4.0), (6.0, 4.0), (6.0, 1.0)]) + &arc(5.0, 1.0, 1.0, 270, 360);

@@ -105,13 +105,13 @@ fn widths_of_polylines_are_said() {
         let drawing = Drawing::read(DrawingFormat::Dxf, text.as_bytes(), &reading).unwrap();
         (drawing.lines[0].corners.len(), drawing.left_out.iter().map(left_out).collect::<Vec<_>>())
     };
-    let said =
+    let message =
         |kind: &str| vec![format!("1 width of 0.240 m of a {kind}: its middle line is taken on layer \"A\"")];
-    assert_eq!(of("0 LWPOLYLINE 8 A 43 24 10 0 20 0 10 900 20 0"), (2, said("LWPOLYLINE")));
-    assert_eq!(of("0 LWPOLYLINE 8 A 10 0 20 0 40 24 41 12 10 900 20 0"), (2, said("LWPOLYLINE")));
+    assert_eq!(of("0 LWPOLYLINE 8 A 43 24 10 0 20 0 10 900 20 0"), (2, message("LWPOLYLINE")));
+    assert_eq!(of("0 LWPOLYLINE 8 A 10 0 20 0 40 24 41 12 10 900 20 0"), (2, message("LWPOLYLINE")));
     assert_eq!(
         of("0 POLYLINE 8 A 66 1 0 VERTEX 10 0 20 0 40 24 41 24 0 VERTEX 10 9 20 0 0 SEQEND"),
-        (2, said("POLYLINE"))
+        (2, message("POLYLINE"))
     );
     assert_eq!(of("0 LWPOLYLINE 8 A 43 0 10 0 20 0 10 900 20 0").1, Vec::<String>::new());
 }

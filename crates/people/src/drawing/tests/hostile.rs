@@ -34,8 +34,8 @@ fn what_is_wrong_is_said_with_line_entity_layer_and_value() {
             "there are no lines in this DXF: 1 TEXT on layer \"A\", 1 HATCH on layer \"B\"",
         ),
     ] {
-        let said = refused(DrawingFormat::Dxf, &dxf_of("", "", entities));
-        assert!(said.starts_with(expected), "{entities}: {said}");
+        let message = refused(DrawingFormat::Dxf, &dxf_of("", "", entities));
+        assert!(message.starts_with(expected), "{entities}: {message}");
     }
     for (format, text, expected) in [
         (DrawingFormat::Dxf, "AutoCAD Binary DXF\r\n", "is a binary DXF"),
@@ -71,8 +71,8 @@ fn what_is_wrong_is_said_with_line_entity_layer_and_value() {
         ),
         (DrawingFormat::Svg, "<svg><text>a</text></svg>", "there are no lines in this SVG: 1 <text>"),
     ] {
-        let said = refused(format, text);
-        assert!(said.starts_with(expected), "{text}: {said}");
+        let message = refused(format, text);
+        assert!(message.starts_with(expected), "{text}: {message}");
     }
 }
 

@@ -116,10 +116,10 @@ fn walls_on_layers_that_are_not_there_are_refused() {
             &PlanSettings { walls, ..PlanSettings::default() },
         )
     };
-    let said = of(&["A-WALL", "A-WAL"]).unwrap_err().to_string();
+    let message = of(&["A-WALL", "A-WAL"]).unwrap_err().to_string();
     let expected =
         r#"there is no layer "A-WAL" for walls in this drawing; there are "A-DOOR", "A-TEXT", "A-WALL""#;
-    assert_eq!(said, expected);
+    assert_eq!(message, expected);
     // Names of layers are the same in upper and lower case.
     assert_eq!(of(&["a-wall"]).unwrap().walls.len(), 1);
 }

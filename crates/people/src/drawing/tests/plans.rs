@@ -19,7 +19,7 @@ fn plans_of_architects_have_the_areas_and_doors_that_are_known() {
     for seed in 0..300 {
         let known = made(seed);
         let found = proposal(&known.dxf);
-        let say = || format!("seed {seed}: {:#?}", found.said());
+        let say = || format!("seed {seed}: {:#?}", found.messages());
         // 1 mm along the rim, for rounding in the file.
         assert!(
             (found.areas[0] - known.area).abs() < 0.05,
@@ -98,7 +98,7 @@ fn swings_on_walls_without_gaps_are_doors_and_passages() {
         ("Walls", &wall, false),
     ];
     let found = proposal(&drawn(&lines, &[([2.0, 0.0], [3.0, 0.0]), ([6.0, 3.0], [6.0, 4.0])]));
-    assert!((found.areas[0] - (80.0 - 0.15 * 7.0)).abs() < 1e-3, "{:#?}", found.said());
+    assert!((found.areas[0] - (80.0 - 0.15 * 7.0)).abs() < 1e-3, "{:#?}", found.messages());
     assert_eq!(found.doors(), [Door::new(vec2(2.5, 0.0), 1.0)]);
     assert_eq!(found.gaps.iter().map(Gap::kind).collect::<Vec<_>>(), ["door", "passage"]);
 }
@@ -144,8 +144,8 @@ fn a_frame_around_a_room_is_asked_for() {
     assert!(doubt(&lines("Walls")[..2], &all).contains("rectangle of 60 m x 50 m a frame"));
     assert_eq!(doubt(&lines("Walls"), &all), "");
     for layer in ["A-FRAME", "Blattrahmen", "CADRE", "Title block", "border"] {
-        let said = doubt(&lines(layer), &PlanSettings { to_origin: true, ..all.clone() });
-        assert!(said.contains(&format!("is on layer {layer:?}, which has a frame")), "{said}");
+        let message = doubt(&lines(layer), &PlanSettings { to_origin: true, ..all.clone() });
+        assert!(message.contains(&format!("is on layer {layer:?}, which has a frame")), "{message}");
         let walls = vec!["Walls".to_owned(), layer.to_owned()];
         assert_eq!(doubt(&lines(layer), &PlanSettings { walls, ..all.clone() }), "");
     }
@@ -196,7 +196,7 @@ fn thick_walls_are_named_and_round_ones_have_doors() {
         (0..=72).map(|k| at(3.0, k)).chain((0..=72).rev().map(|k| at(3.24, k))).collect();
     let found = proposal(&drawn(&[("Walls", &round, true)], &[]));
     let doors = found.doors();
-    assert!(doors.len() == 1 && (doors[0].width - 1.2).abs() < 1e-3, "{:#?}", found.said());
+    assert!(doors.len() == 1 && (doors[0].width - 1.2).abs() < 1e-3, "{:#?}", found.messages());
     assert!((doors[0].at - vec2(3.0 * half.cos(), 0.0)).norm() < 2e-3, "{doors:?}");
 }
 
@@ -277,7 +277,7 @@ fn an_outline_of_single_lines_with_a_gap_is_not_the_table_in_it() {
     lines.extend(parts.iter().map(|part| ("0", &part[..], false)));
     let dxf = drawn(&lines, &[]);
     let found = proposal(&dxf);
-    assert!((found.areas[0] - 80.0).abs() < 1e-6, "{:#?}", found.said());
+    assert!((found.areas[0] - 80.0).abs() < 1e-6, "{:#?}", found.messages());
     let open: f64 = found.open.iter().map(|[a, b]| (b - a).norm()).sum();
     assert!((open - 9.0).abs() < 1e-9, "{:?}", found.open);
     let settings = PlanSettings { enclosing: Some(found.enclosing.clone()), ..PlanSettings::default() };
@@ -288,7 +288,7 @@ fn an_outline_of_single_lines_with_a_gap_is_not_the_table_in_it() {
     let mut lines: Vec<(&str, &[[f64; 2]], bool)> = vec![("0", &walls, false)];
     lines.extend(columns.iter().map(|column| ("0", &column[..], true)));
     let found = proposal(&drawn(&lines, &[]));
-    assert_eq!(found.gaps.iter().map(Gap::kind).collect::<Vec<_>>(), ["door"], "{:#?}", found.said());
+    assert_eq!(found.gaps.iter().map(Gap::kind).collect::<Vec<_>>(), ["door"], "{:#?}", found.messages());
     assert!((found.areas[0] - (80.0 - 0.64)).abs() < 1e-6);
 }
 
@@ -319,8 +319,8 @@ fn too_many_lines_are_refused_with_a_number() {
     let place = |k: u32| 0.2 * f64::from(k);
     let crossing =
         (0..500).flat_map(|k| [[[place(k), -1.0], [place(k), 101.0]], [[-1.0, place(k)], [101.0, place(k)]]]);
-    let said = refused(crossing.collect());
-    assert!(said.contains("cross each other at more than 200000 places"), "{said}");
+    let message = refused(crossing.collect());
+    assert!(message.contains("cross each other at more than 200000 places"), "{message}");
     let many = (0..20_001).map(|k| [[place(k), 0.0], [place(k), 0.1]]).collect();
     assert!(refused(many).contains("more than 20000 straight pieces"));
     let near = (0..5000).map(|k| [[0.001 * place(k), 0.0], [0.001 * place(k), 9.0]]).collect();

@@ -111,9 +111,9 @@ fn corners_of_paths_of_several_parts_are_counted_together() {
     paths.push(ring(1));
     assert!(of(&paths).is_ok());
     paths.push(nested(1, 2));
-    let said = of(&paths).unwrap_err().to_string();
+    let message = of(&paths).unwrap_err().to_string();
     assert_eq!(
-        said,
+        message,
         "line 1: <path>: paths of several parts have 10008 corners so far; at most 10000 are allowed"
     );
 }
