@@ -1,7 +1,7 @@
 //! Pose and motion of a body, for contacts.
 
 use super::{InPlane, Pose, Rotation, Twist, Vec2, rotation};
-use lemons_core::plane::{SMALL_TURN, further};
+use lemons_core::plane::{SMALL_TURN, turned_by};
 
 /// Pose and motion of a body at one instant: everything that an evaluation of its contacts needs, in one cache line.
 #[derive(Debug, Clone, Copy)]
@@ -44,7 +44,7 @@ impl BodyKinematics {
         if turned.abs() > SMALL_TURN {
             self.turn_to(pose.orientation);
         } else {
-            self.turn = further(self.turn, turned);
+            self.turn = turned_by(self.turn, turned);
         }
         (self.position, self.orientation, self.twist) = (pose.position, pose.orientation, twist);
     }

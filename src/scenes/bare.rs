@@ -5,7 +5,7 @@
 //! threads and free bodies. The step is symplectic, of first order.
 
 use crate::engine::{BodyId, ContactDisk, DiskId, FreeFlight, PairLaw, Rotation, Vec2, World, Wrench, vec2};
-use lemons_core::plane::{InPlane, further, rotation};
+use lemons_core::plane::{InPlane, rotation, turned_by};
 
 /// The crowd of a world at one time.
 pub struct BareCrowd {
@@ -167,7 +167,7 @@ impl BareCrowd {
             let turned = angular_velocity * flight.velocity_time + body.drive.torque * flight.drive_time;
             body.position += velocity * flight.velocity_time + body.drive.force * flight.drive_time;
             body.orientation += turned;
-            body.turn = further(body.turn, turned);
+            body.turn = turned_by(body.turn, turned);
             body.velocity = velocity * flight.kept + body.drive.force * flight.velocity_time;
             body.angular_velocity = angular_velocity * flight.kept + body.drive.torque * flight.velocity_time;
             body.load = Wrench { force: vec2(0.0, 0.0), torque: 0.0 };

@@ -293,7 +293,10 @@ mod tests {
         }
         assert_eq!(steps.accurate_to(10.0), two_digits(steps.longest()));
         assert!(steps.longest() < steps.stable());
-        assert_eq!([0.0, -1.0, f64::NAN, f64::INFINITY].map(|wish| steps.accurate_to(wish)), [None; 4]);
+        assert_eq!(
+            [0.0, -1.0, f64::NAN, f64::INFINITY].map(|accuracy| steps.accurate_to(accuracy)),
+            [None; 4]
+        );
     }
 
     #[test]

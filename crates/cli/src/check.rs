@@ -65,7 +65,7 @@ fn report(given: &TrialInput) -> (Problems, Option<String>) {
         problems.extend(errors.iter().cloned());
         DriveTable::default()
     });
-    let plan = given.wishes().map(|wishes| plan_of(&trial, &wishes)).transpose();
+    let plan = given.decision_file().map(|file| plan_of(&trial, &file)).transpose();
     let plan = plan.unwrap_or_else(|error| {
         problems.push(Problem::by(Rule::Invalid, &files.decision, full_message(&error.into())));
         None

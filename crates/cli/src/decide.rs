@@ -1,4 +1,4 @@
-//! `lemons decide`: a Trial and its people's wishes -> a Decision FMU.
+//! `lemons decide`: a Trial and its decision.toml -> a Decision FMU.
 
 use crate::binary::DECISION;
 use crate::files::{self, ForceOption};

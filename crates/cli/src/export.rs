@@ -244,7 +244,7 @@ impl Arguments {
         let trial =
             trial_of(source, own, memory.as_deref())?.with_context(|| source.display().to_string())?;
         let mut exits = Vec::new();
-        if let Some((config, _)) = wishes_of(given)? {
+        if let Some((config, _)) = decision_of(given)? {
             let plan =
                 Plan::of(&trial, &config).with_context(|| given.join(DECISION_FILE).display().to_string())?;
             let leaving = plan.targets.into_iter().filter(|target| !target.stay);
@@ -274,8 +274,8 @@ impl Arguments {
         let (source, out) = (self.source.display(), &self.out);
         let given = self.trial.as_deref().unwrap_or(&before.directory);
         let named = || given.join(DECISION_FILE).display().to_string();
-        let wishes = wishes_of(given)?;
-        let plan = wishes.as_ref().map(|(config, _)| Plan::of(before, config).with_context(named));
+        let decision = decision_of(given)?;
+        let plan = decision.as_ref().map(|(config, _)| Plan::of(before, config).with_context(named));
         let plan = plan.transpose()?;
         let leaves = plan.as_ref().is_some_and(|plan| plan.leaving().contains(&true));
         let legs = plan.as_ref().is_some_and(|plan| plan.balance.is_some());
@@ -298,11 +298,11 @@ impl Arguments {
             let changed = later.filter(|later| *later != config);
             changed.map_or(Ok((config, text)), |later| later.to_toml().map(|text| (later, text)))
         };
-        let wishes = wishes.map(|wishes| later(wishes).and_then(fewer)).transpose()?;
-        let plan = wishes.is_some().then(|| out.join(DECISION_FILE));
+        let decision = decision.map(|decision| later(decision).and_then(fewer)).transpose()?;
+        let plan = decision.is_some().then(|| out.join(DECISION_FILE));
         claim_all(trial.files_written(out).into_iter().chain(plan.clone()))?;
         trial.write(out)?;
-        if let (Some(text), Some(plan)) = (&wishes, &plan) {
+        if let (Some(text), Some(plan)) = (&decision, &plan) {
             let mut file = Output::claimed(plan)?;
             file.fill(|file| file.write_all(text.as_bytes()))?;
             file.persist()?;
@@ -336,10 +336,10 @@ impl Arguments {
 }
 
 /// The `decision.toml` of a Trial, read and as text.
-fn wishes_of(given: &Path) -> Result<Option<(DecisionConfig, String)>> {
+fn decision_of(given: &Path) -> Result<Option<(DecisionConfig, String)>> {
     let named = || given.join(DECISION_FILE).display().to_string();
     let input = TrialInput::find(given)?;
-    let Some(path) = input.as_ref().and_then(TrialInput::wishes) else { return Ok(None) };
+    let Some(path) = input.as_ref().and_then(TrialInput::decision_file) else { return Ok(None) };
     let text = input::read_text(&path, input::LARGEST_SETTINGS).with_context(named)?;
     Ok(Some((DecisionConfig::from_toml(&text).with_context(named)?, text)))
 }

@@ -136,7 +136,7 @@ pub fn pack(arguments: &Arguments) -> Result<()> {
     let format = arguments.fmi.format(arguments.fmu.naming());
     let warnings = write_fmu(&trials, binaries, format, &arguments.output, Some(&arguments.reference))?;
     warnings.iter().for_each(|warning| note!("{warning}"));
-    for trial in trials.iter().filter(|trial| trial.wishes().is_some()) {
+    for trial in trials.iter().filter(|trial| trial.decision_file().is_some()) {
         let path = trial.path().display();
         note!(
             "note: {path}/{DECISION_FILE} is not in this FMU, which is the crowd alone: lemons decide {path} -o FILE.fmu makes \

@@ -68,7 +68,7 @@ pub struct Arguments {
     outputs: Option<PathBuf>,
     /// Format of the tables: csv; or parquet, for long runs: smaller, with units in the metadata. Default: by the
     /// extension of -o, else csv
-    #[arg(long, value_name = "FORMAT", hide_possible_values = true, value_parser = named(&[TableFormat::Csv, TableFormat::Parquet], TableFormat::extension))]
+    #[arg(long, value_name = "FORMAT", hide_possible_values = true, value_parser = parser_of(&[TableFormat::Csv, TableFormat::Parquet], TableFormat::extension))]
     format: Option<TableFormat>,
     /// Write only every N-th communication point, beginning with the first. Default: 1. Mean and peak
     /// squeeze in a row are of all steps since the row before

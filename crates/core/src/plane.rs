@@ -22,7 +22,7 @@ pub use hull::{body_meets, convex_hull, hull_meets};
 pub use polygon::Polygon;
 pub use pose::{Motion, Pose, Twist, shown_orientation};
 pub use ring::{Foot, Ring, is_closed, nearest_on_line};
-pub use rotation::{Rotation, SMALL_TURN, further, rotation};
+pub use rotation::{Rotation, SMALL_TURN, rotation, turned_by};
 pub use segment::{nearest_on_segment, ray_crosses, segments_cross, segments_touch, turn};
 pub use simple::sides_that_meet;
 pub use union::{Arc, Disk, Moments, boundary, union};

@@ -69,7 +69,7 @@ pub enum Destination {
 
 impl Target {
     /// Returns what it is, and its name, for messages.
-    pub(crate) fn named(&self) -> String {
+    pub(crate) fn label(&self) -> String {
         format!("{} {:?}", if self.stay { "goal" } else { "exit" }, self.name)
     }
 

@@ -47,8 +47,8 @@ fn trial() -> Trial {
     trial
 }
 
-fn plan_of(wishes: &str) -> Plan {
-    Plan::of(&trial(), &DecisionConfig::from_toml(wishes).unwrap()).unwrap()
+fn plan_of(config: &str) -> Plan {
+    Plan::of(&trial(), &DecisionConfig::from_toml(config).unwrap()).unwrap()
 }
 
 fn reference(name: &str) -> u32 {
@@ -80,8 +80,8 @@ fn a_plan_reads_back_to_the_last_bit() {
     let mut trial = trial();
     trial.agents[0].moment_of_inertia = 1.0 / 3.0;
     trial.dynamics[0].position = vec2(1e-300, -0.0);
-    let wishes = "waypoints = [{ x = 0.1, y = 1e-320, radius = 0 }]\n[agents.7]\ndesired_speed = 0.3";
-    let plan = Plan::of(&trial, &DecisionConfig::from_toml(wishes).unwrap()).unwrap();
+    let config = "waypoints = [{ x = 0.1, y = 1e-320, radius = 0 }]\n[agents.7]\ndesired_speed = 0.3";
+    let plan = Plan::of(&trial, &DecisionConfig::from_toml(config).unwrap()).unwrap();
     let directory = TempDir::new().unwrap();
     trial.write(directory.path()).unwrap();
     std::fs::write(directory.path().join(DECISION_FILE), plan.config.to_toml().unwrap()).unwrap();
@@ -369,18 +369,18 @@ fn whatever_people_do_depends_on_what_is_declared() {
         "model = \"collision-free-speed\"\nbalance = \"pendulum\"\nwaypoints = [{ x = 0.3, y = 0.6 }]",
         "balance = \"two-level\"\nwaypoints = [{ x = 0.1, y = 0.5 }]\n[agents.7]\nwaypoints = [{ x = 5, y = 2 }]",
     ];
-    for wishes in plans {
-        let make = || Decision::new(plan_of(wishes));
+    for config in plans {
+        let make = || Decision::new(plan_of(config));
         let initially = moved(make, Known::Starts);
         for on in ["Position", "DesiredSpeed"] {
-            assert!(initially.contains(&("Fp", on)), "{wishes}: {on}");
+            assert!(initially.contains(&("Fp", on)), "{config}: {on}");
         }
         let initialized = || {
             let mut decision = make();
             decision.initialize(0.0).unwrap();
             decision
         };
-        assert!(moved(initialized, Known::Inputs).contains(&("Fp", "Position")), "{wishes}");
+        assert!(moved(initialized, Known::Inputs).contains(&("Fp", "Position")), "{config}");
     }
 }
 

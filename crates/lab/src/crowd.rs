@@ -26,7 +26,7 @@ pub fn crowd(
 ) -> Result<UneditedTrial, Refused> {
     let mut memory = Memory::default();
     files.iter().for_each(|(name, file)| memory.put(Path::new(name), file.to_vec()));
-    made(scenario, None, &memory, watch)
+    documents_of(scenario, None, &memory, watch)
 }
 
 /// Makes a scenario of a file.
@@ -36,10 +36,11 @@ pub fn crowd(
 pub fn of_file(path: &Path, files: &Memory, watch: &mut Watch) -> Result<UneditedTrial, Refused> {
     let scenario = Scenario::read(files, path).map_err(told)?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    made(&scenario, name, files, watch).map_err(|Refused(why)| Refused(format!("{}: {why}", path.display())))
+    documents_of(&scenario, name, files, watch)
+        .map_err(|Refused(why)| Refused(format!("{}: {why}", path.display())))
 }
 
-fn made(
+fn documents_of(
     of: &Scenario,
     name: Option<String>,
     files: &Memory,
@@ -59,7 +60,11 @@ fn made(
         statistics: CrowdStatistics::of(&agents),
     };
     let notes = notes.iter().map(|note| words(note)).collect();
-    let mut driven = LoadedTrial::alone(trial, Some(agents));
-    driven.push(drive);
-    Ok(UneditedTrial { driven: driven.decided(decision.map(|(config, _)| config))?, notes, made: Some(made) })
+    let mut loaded = LoadedTrial::alone(trial, Some(agents));
+    loaded.push(drive);
+    Ok(UneditedTrial {
+        loaded: loaded.decided(decision.map(|(config, _)| config))?,
+        notes,
+        placing: Some(made),
+    })
 }

@@ -2,6 +2,7 @@
 
 use crate::driven::LoadedTrial;
 use crate::frame::overlapping;
+use crate::loaded::{LoadedTrial, TrialSource};
 use crate::person::PersonRequest;
 use crate::{Refused, require, room, within};
 use crowd_mechanics::setup::Setup;
@@ -54,7 +55,7 @@ pub fn edited(
     if crowd.is_some() && !edits.is_empty() {
         choose_mechanical_step(&mut driven.trial);
     }
-    Ok(driven)
+    Ok(loaded)
 }
 
 /// Returns the room that was drawn last, if one was.
@@ -78,7 +79,7 @@ pub fn fitting(
     let mut left_out = BTreeMap::new();
     loop {
         let mut made = Vec::new();
-        let mut driven = before.clone();
+        let mut loaded = before.clone();
         for (k, edit) in edits.iter().enumerate() {
             if left_out.contains_key(&k) {
                 continue;
@@ -92,11 +93,11 @@ pub fn fitting(
         let driven = edited(before.clone(), &made, crowd)?;
         let world = Setup::of(&driven.trial).world()?;
         let put: BTreeSet<&str> = made.iter().filter_map(Edit::put).collect();
-        let agents = driven.trial.agents.iter().enumerate().filter(|(_, agent)| put.contains(&*agent.id));
+        let agents = loaded.trial.agents.iter().enumerate().filter(|(_, agent)| put.contains(&*agent.id));
         let depths = agents.map(|(place, agent)| (overlapping(&world, Some(place)), &agent.id));
         let deepest = depths.max_by(|((_, _, one), _), ((_, _, other), _)| one.total_cmp(other));
         let Some(((_, wall, depth), id)) = deepest.filter(|((_, _, depth), _)| *depth > 0.0) else {
-            return Ok((driven, left_out));
+            return Ok((loaded, left_out));
         };
         let whom = if wall { "a wall or somebody" } else { "somebody" };
         let why = format!("person {id:?} would overlap {whom} by {:.1} mm", 1e3 * depth);
@@ -118,7 +119,7 @@ impl Edit {
 
 fn change(driven: &mut LoadedTrial, edit: &Edit, crowd: Option<&Scenario>) -> Result<(), Refused> {
     let place_of = |id: &String| {
-        let place = driven.trial.agents.iter().position(|agent| agent.id == *id);
+        let place = loaded.trial.agents.iter().position(|agent| agent.id == *id);
         place.ok_or_else(|| Refused(format!("there is nobody with the Id {id:?}")))
     };
     match edit {
@@ -128,15 +129,15 @@ fn change(driven: &mut LoadedTrial, edit: &Edit, crowd: Option<&Scenario>) -> Re
         }
         Edit::Move { id, x, y, theta } => {
             let here = place_of(id)?;
-            let here = &mut driven.trial.dynamics[here];
+            let here = &mut loaded.trial.dynamics[here];
             (here.position, here.theta) = pose(*x, *y, *theta)?;
         }
         Edit::Copy { id, r#as: to, x, y, theta } => {
             let place = place_of(id)?;
             let here = pose(*x, *y, *theta)?;
-            let person = driven.people.as_ref().map(|people| people[place].clone());
-            let (agent, drive) = (driven.trial.agents[place].clone(), driven.trial.dynamics[place].clone());
-            put(driven, to, agent, person, drive, here)?;
+            let person = loaded.people.as_ref().map(|people| people[place].clone());
+            let (agent, drive) = (loaded.trial.agents[place].clone(), loaded.trial.dynamics[place].clone());
+            put(loaded, to, agent, person, drive, here)?;
         }
         Edit::Put { id, person, x, y, theta } => {
             let (person, here) = (person.person()?, pose(*x, *y, *theta)?);
@@ -146,9 +147,9 @@ fn change(driven: &mut LoadedTrial, edit: &Edit, crowd: Option<&Scenario>) -> Re
         }
         Edit::Delete { id } => {
             let place = place_of(id)?;
-            driven.trial.agents.remove(place);
-            driven.trial.dynamics.remove(place);
-            if let Some(people) = &mut driven.people {
+            loaded.trial.agents.remove(place);
+            loaded.trial.dynamics.remove(place);
+            if let Some(people) = &mut loaded.people {
                 people.remove(place);
             }
         }
@@ -187,20 +188,20 @@ fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, Agent
 
 /// Somebody more, at rest.
 fn put(
-    driven: &mut LoadedTrial,
+    loaded: &mut LoadedTrial,
     id: &str,
     agent: Agent,
     person: Option<lemons_people::CrowdMember>,
     drive: AgentDynamics,
     (position, theta): (Vec2, f64),
 ) -> Result<(), Refused> {
-    let trial = &mut driven.trial;
+    let trial = &mut loaded.trial;
     let odd = id.trim().is_empty() || id.len() > 100 || id.chars().any(char::is_control);
     let taken = trial.agents.iter().any(|agent| agent.id == id);
     require(!odd && !taken, || format!("the Id {id:?} is no short text, or there already"))?;
     trial.agents.push(Agent { id: id.into(), ..agent });
     trial.dynamics.push(AgentDynamics { position, theta, velocity: Vec2::zeros(), omega: 0.0, ..drive });
-    if let Some((people, person)) = driven.people.as_mut().zip(person) {
+    if let Some((people, person)) = loaded.people.as_mut().zip(person) {
         people.push(person);
     }
     Ok(())

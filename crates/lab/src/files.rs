@@ -3,6 +3,7 @@
 use crate::base::split;
 use crate::driven::LoadedTrial;
 use crate::frame::{feet, frame, numbers};
+use crate::loaded::{LoadedTrial, split};
 use crate::run::LabRun;
 use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::PairForce;
@@ -94,13 +95,13 @@ pub(crate) struct NamedFile {
 /// # Errors
 /// It cannot be made of this run, the bytes are not what is said, or `watch` stopped it.
 pub fn file(wanted: &FileRequest, run: &LabRun, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
-    let of = &run.driven;
-    let LoadedTrial { trial, drive, wishes, people, .. } = of;
+    let of = &run.loaded;
+    let LoadedTrial { trial, drive, decision, people, .. } = of;
     let named =
         |end: &str, bytes: Vec<u8>| Reply::with(NamedFile { name: format!("{}{end}", trial.name) }, bytes);
     match wanted {
         FileRequest::Trial {} => {
-            let others = [(DRIVE_FILE, &**drive), (DECISION_FILE, &**wishes)];
+            let others = [(DRIVE_FILE, &**drive), (DECISION_FILE, &**decision)];
             let others: Vec<_> = others.into_iter().filter(|(_, text)| !text.is_empty()).collect();
             let zip = zip_trial(trial, &others, Cursor::new(Vec::new()))?;
             named(".zip", zip.into_inner())
@@ -166,7 +167,7 @@ fn mesh(run: &LabRun, bytes: &[u8]) -> Result<Vec<MeshPart>, Refused> {
     })?;
     let (frame, bodies, mut parts) = (frame(bytes, people)?, run.bodies()?, Vec::new());
     for (place, at) in frame.present() {
-        let agent = &run.driven.trial.agents[place];
+        let agent = &run.loaded.trial.agents[place];
         let none = || Refused(format!("agent {}: no body fits its disks", agent.id));
         let figure = bodies[place].as_ref().ok_or_else(none)?;
         parts.extend(figure.surfaces(&agent.id, &at.pose));
@@ -176,7 +177,7 @@ fn mesh(run: &LabRun, bytes: &[u8]) -> Result<Vec<MeshPart>, Refused> {
 
 /// A picture of a frame, and a number for each agent.
 fn svg(wanted: &PictureStyle, run: &LabRun, bytes: &[u8]) -> Result<String, Refused> {
-    let (trial, people) = (&run.driven.trial, run.people());
+    let (trial, people) = (&run.loaded.trial, run.people());
     let short = || Refused("the picture needs a frame, and a number for each agent".into());
     let (shown, values) = bytes.split_at_checked(bytes.len().saturating_sub(8 * people)).ok_or_else(short)?;
     let frame = Frame { time: wanted.time, ..frame(shown, people)? };

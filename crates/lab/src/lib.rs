@@ -5,7 +5,7 @@
 //! page itself while a room is drawn. All lengths are in m, masses in kg, angles in rad, times in s, unless it is said
 //! otherwise.
 //!
-//! A scene is made in one way: [`base`] (an example, a crowd, an upload) -> [`edit`] (by hand) -> [`mechanics`] (materials
+//! A scene is made in one way: [`loaded`] (an example, a crowd, an upload) -> [`edit`] (by hand) -> [`mechanics`] (materials
 //! and steps) -> [`motion`] (what drives people) -> [`run`]. The parts:
 //!
 //! - [`person`], [`body`]: one person; bodies in three dimensions, and sections
@@ -17,7 +17,6 @@
 //! - [`files`]: files to keep
 //! - `typescript`: types of requests and replies, for the page
 
-pub mod base;
 pub mod body;
 pub mod boundary;
 pub mod crowd;
@@ -27,6 +26,7 @@ pub mod files;
 pub mod frame;
 pub mod kinds;
 pub mod limit;
+pub mod loaded;
 pub mod map;
 pub mod mechanics;
 pub mod motion;
@@ -133,7 +133,7 @@ struct Opened {
 #[derive(Default)]
 pub struct Lab {
     /// The Trial that was shown last, before edits, with a digest of its files: it need not be made again.
-    basis: Option<(TrialSource, u64, UneditedTrial)>,
+    unedited: Option<(TrialSource, u64, UneditedTrial)>,
     open: Option<run::LabRun>,
     /// How many runs there were: the number of the present one.
     runs: u32,
@@ -156,7 +156,7 @@ impl Lab {
             Request::Room(wanted) => room::drawn(wanted),
             Request::Drawing(wanted) => room::read(wanted, bytes),
             Request::Overlaps { run, agent, x, y, theta } => {
-                frame::overlaps(&self.present(*run)?.driven.trial, *agent, [*x, *y, *theta])
+                frame::overlaps(&self.present(*run)?.loaded.trial, *agent, [*x, *y, *theta])
             }
             Request::Advance { run, steps } => self.present(*run)?.advance(*steps),
             Request::Forces { run, time } => self.present(*run)?.forces(bytes, *time),
@@ -194,8 +194,8 @@ impl Lab {
             Some((base, files, basis)) if (&base, files) == (&shown.base, digest) => (base, basis),
             _ => (shown.base.clone(), shown.base.basis(&shown.tables, bytes, watch)?),
         };
-        let (base, _, basis) = &*self.basis.insert((base, digest, basis));
-        let before = basis.driven.clone();
+        let (base, _, unedited) = &*self.unedited.insert((base, digest, unedited));
+        let before = unedited.loaded.clone();
         let (mut edited, left_out) = match shown.fitting {
             true => edit::fitting(&before, &shown.edits, base.crowd())?,
             false => (edit::edited(before, &shown.edits, base.crowd())?, BTreeMap::new()),
@@ -203,27 +203,27 @@ impl Lab {
         let of_crowd = base.crowd().is_some();
         let change = |mechanics: &mechanics::Mechanics| mechanics.change(&mut edited.trial, of_crowd);
         let warnings = shown.mechanics.as_ref().map(change).transpose()?;
-        let driven = motion::driven(edited, &shown.motion)?;
-        let (documents, files) = (driven.documents(), Files::within(Path::new("")));
+        let loaded = motion::with_motion(edited, &shown.motion)?;
+        let (documents, files) = (loaded.documents(), Files::within(Path::new("")));
         let mut found = lint::of_documents(&documents, &files);
         found.extend(lint::of_step(&documents, documents.trial.parameters.time_step, &files));
         // What the user makes on the page is meant so.
         found
             .retain(|of| of.rule != Rule::DriveAdded || matches!(shown.motion, motion::MotionChoice::Own {}));
-        let mut notes = basis.notes.clone();
+        let mut notes = unedited.notes.clone();
         notes.extend(found.iter().map(ToString::to_string));
         if edit::room_of(&shown.edits).is_some() {
-            notes.extend(room::unfit(&basis.driven.trial, &driven.trial));
+            notes.extend(room::unfit(&unedited.loaded.trial, &loaded.trial));
         }
-        let mut run = run::LabRun::begin(driven)?;
+        let mut run = run::LabRun::begin(loaded)?;
         self.runs += 1;
         let mut scene = scene::of(&run);
         scene.run = self.runs;
         scene.warnings = warnings.unwrap_or_default();
-        scene.beyond_doors = base.beyond_doors(&shown.edits, &run.driven.trial);
+        scene.beyond_doors = base.beyond_doors(&shown.edits, &run.loaded.trial);
         let bytes = run.frame()?;
         self.open = Some(run);
-        let (left_out, made) = (left_out.into_iter().collect(), basis.made.clone());
+        let (left_out, made) = (left_out.into_iter().collect(), unedited.placing.clone());
         Reply::with(Opened { scene, notes, made, left_out }, bytes)
     }
 }

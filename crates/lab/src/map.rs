@@ -41,11 +41,11 @@ impl Map {
         }
     }
 
-    fn of(quantity: MapQuantity, driven: &LoadedTrial) -> Map {
-        let view = extent(driven);
+    fn of(quantity: MapQuantity, loaded: &LoadedTrial) -> Map {
+        let view = extent(loaded);
         match quantity {
             MapQuantity::Density => {
-                Map::Density(DensityMap::new(view, DENSITY_KERNEL, &driven.trial.geometry.walls))
+                Map::Density(DensityMap::new(view, DENSITY_KERNEL, &loaded.trial.geometry.walls))
             }
             MapQuantity::Squeeze => Map::Squeeze(SqueezeMap::new(view)),
         }
@@ -53,8 +53,8 @@ impl Map {
 }
 
 /// The part of the plane that maps show, in whole quarters of a metre: so cells of two runs in a room are the same.
-fn extent(driven: &LoadedTrial) -> Bounds {
-    let LoadedTrial { trial, plan, .. } = driven;
+fn extent(loaded: &LoadedTrial) -> Bounds {
+    let LoadedTrial { trial, plan, .. } = loaded;
     let corners = trial.geometry.walls.iter().flat_map(|wall| wall.corners.iter().copied());
     let people = trial.dynamics.iter().map(|here| here.position);
     let targets = plan.iter().flat_map(|plan| &plan.targets).flat_map(|target| &target.corners);

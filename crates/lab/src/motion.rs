@@ -40,8 +40,9 @@ pub enum MotionChoice {
     /// They walk around walls, to the exits and goals of a decision.toml. Without exits, everybody goes to the nearest of
     /// several goals.
     Go {
+        #[serde(rename = "wishes")]
         #[cfg_attr(feature = "typescript", ts(type = "Wishes"))]
-        wishes: Box<DecisionConfig>,
+        decision: Box<DecisionConfig>,
     },
 }
 
@@ -49,42 +50,42 @@ pub enum MotionChoice {
 ///
 /// # Errors
 /// A number is out of range, nobody is in a circle, or there is no way.
-pub fn driven(mut driven: LoadedTrial, motion: &MotionChoice) -> Result<LoadedTrial, Refused> {
+pub fn with_motion(mut loaded: LoadedTrial, motion: &MotionChoice) -> Result<LoadedTrial, Refused> {
     if !matches!(motion, MotionChoice::Own {}) {
-        driven = LoadedTrial::alone(driven.trial, driven.people);
-        for here in &mut driven.trial.dynamics {
+        loaded = LoadedTrial::alone(loaded.trial, loaded.people);
+        for here in &mut loaded.trial.dynamics {
             (here.fp, here.mp) = (Vec2::zeros(), 0.0);
         }
     }
     let config = match motion {
         MotionChoice::Own {} => {
             // The files of a Trial must not name people who are not there any more.
-            if driven.table.check_agents(Some(&driven.trial)).is_err() {
-                driven.push(driven.table.of_those(&driven.trial));
+            if loaded.table.check_agents(Some(&loaded.trial)).is_err() {
+                loaded.push(loaded.table.of_those(&loaded.trial));
             }
-            let text = driven.wishes.clone();
+            let text = loaded.decision.clone();
             let config = (!text.is_empty()).then(|| DecisionConfig::from_toml(&text)).transpose()?;
-            let fewer = config.as_ref().and_then(|config| config.without_others(&driven.trial.agents));
+            let fewer = config.as_ref().and_then(|config| config.without_others(&loaded.trial.agents));
             if fewer.is_none() {
-                return Ok(LoadedTrial { wishes: text, ..driven.decided(config)? });
+                return Ok(LoadedTrial { decision: text, ..loaded.decided(config)? });
             }
             fewer
         }
         MotionChoice::None {} => None,
         MotionChoice::Push { pushes, balance } => {
-            driven.push(lemons_scenario::drive(&driven.trial, pushes)?);
+            loaded.push(lemons_scenario::drive(&loaded.trial, pushes)?);
             (*balance != BalanceName::None).then(|| DecisionConfig::standing(*balance))
         }
         MotionChoice::Walk { speed, ways, shares, seed } => {
             let shares = shares.as_deref().map(|shares| (shares, *seed));
-            Some(wishes(&driven.trial, *speed, ways, shares)?.with_speeds(own_speeds(&driven)))
+            Some(config_of_ways(&loaded.trial, *speed, ways, shares)?.with_speeds(own_speeds(&loaded)))
         }
-        MotionChoice::Go { wishes } => {
-            let wishes = wishes.as_ref().clone().with_speeds(own_speeds(&driven));
-            Some(plan::normalized(&driven.trial, &wishes)?)
+        MotionChoice::Go { decision } => {
+            let decision = decision.as_ref().clone().with_speeds(own_speeds(&loaded));
+            Some(plan::normalized(&loaded.trial, &decision)?)
         }
     };
-    driven.decided(config)
+    loaded.decided(config)
 }
 
 /// As [`lemons_scenario::own_speeds`], if people are known.
@@ -93,7 +94,7 @@ fn own_speeds(of: &LoadedTrial) -> Vec<(String, f64)> {
 }
 
 /// decision.toml: the ways of everybody; with shares and their seed, if there are some.
-fn wishes(
+fn config_of_ways(
     trial: &Trial,
     speed: f64,
     ways: &[Vec<Waypoint>],
@@ -113,6 +114,6 @@ fn wishes(
             seed,
         ));
     }
-    let wishes = DecisionConfig::nearest_of(trial, speed, ways);
-    wishes.ok_or_else(|| Refused("nobody can walk: there is no way".into()))
+    let decision = DecisionConfig::nearest_of(trial, speed, ways);
+    decision.ok_or_else(|| Refused("nobody can walk: there is no way".into()))
 }

@@ -3,6 +3,7 @@
 use crate::body;
 use crate::driven::LoadedTrial;
 use crate::frame::{self, COLUMNS};
+use crate::loaded::LoadedTrial;
 use crate::map::Map;
 use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::{PairForce, World};
@@ -34,7 +35,7 @@ pub(crate) struct Advanced {
 /// A Trial and its simulation.
 pub struct LabRun {
     /// The Trial that runs.
-    pub driven: LoadedTrial,
+    pub loaded: LoadedTrial,
     /// Its simulation.
     pub simulation: Simulation,
     points: Stepper,
@@ -52,12 +53,12 @@ impl LabRun {
     /// # Errors
     /// Materials that can touch have no usable contact, too many people are at one place, or no ways to exits and goals
     /// can be found.
-    pub fn begin(driven: LoadedTrial) -> Result<LabRun, Refused> {
-        let mut simulation = Simulation::new(driven.documents(), Algorithm::Jacobi)?;
+    pub fn begin(loaded: LoadedTrial) -> Result<LabRun, Refused> {
+        let mut simulation = Simulation::new(loaded.documents(), Algorithm::Jacobi)?;
         simulation.begin(0.0, None)?;
         // Communication points are multiples, as those of `lemons run`.
-        let points = Stepper::new(Clock::endless(0.0, driven.trial.parameters.time_step), 1, None);
-        Ok(LabRun { driven, simulation, points, overlap: 0.0, bodies: OnceCell::new(), map: None })
+        let points = Stepper::new(Clock::endless(0.0, loaded.trial.parameters.time_step), 1, None);
+        Ok(LabRun { loaded, simulation, points, overlap: 0.0, bodies: OnceCell::new(), map: None })
     }
 
     /// Everybody in three dimensions, with what goes along.
@@ -68,7 +69,7 @@ impl LabRun {
         if let Some(bodies) = self.bodies.get() {
             return Ok(bodies);
         }
-        let bodies = body::of_everybody(&self.driven)?;
+        let bodies = body::of_everybody(&self.loaded)?;
         Ok(self.bodies.get_or_init(|| bodies))
     }
 
@@ -79,7 +80,7 @@ impl LabRun {
 
     /// How many people there are.
     pub fn people(&self) -> usize {
-        self.driven.trial.agents.len()
+        self.loaded.trial.agents.len()
     }
 
     /// Advances by communication steps, which an observer sees.
@@ -127,7 +128,7 @@ impl LabRun {
     /// # Errors
     /// It is.
     pub fn check_work(&self) -> Result<(), Refused> {
-        let parameters = &self.driven.trial.parameters;
+        let parameters = &self.loaded.trial.parameters;
         let mechanical = parameters.time_step / parameters.time_step_mechanical;
         let people = self.people();
         Ok(require(mechanical * people as f64 <= MOST_WORK, || {
@@ -163,7 +164,7 @@ impl LabRun {
     /// # Errors
     /// Too many people are at one place.
     pub fn pair_forces(&self, frame: &Frame) -> Result<Vec<PairForce>, Refused> {
-        let mut replay = Replay::new(&self.driven.trial)?;
+        let mut replay = Replay::new(&self.loaded.trial)?;
         replay.put(frame)?;
         let poses: Vec<Pose> = frame.agents.iter().map(|motion| motion.pose).collect();
         Ok(replay.forces(&poses))

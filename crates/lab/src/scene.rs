@@ -99,13 +99,13 @@ struct PersonDrawn {
 /// is pushed; ways, exits and goals of those who walk, and how many leave; the steps, materials and contacts. Of a run at
 /// its start; [`crate::Lab`] adds its number, warnings, and lines beyond doors.
 pub(crate) fn of(run: &LabRun) -> Scene {
-    let driven = &run.driven;
-    let trial = &driven.trial;
+    let loaded = &run.loaded;
+    let trial = &loaded.trial;
     let agent = |(k, agent): (usize, &trial::Agent)| {
         // A Trial may show its disks at another orientation than 0.
         let disks = agent.disks_facing_x().into_iter();
-        let made = driven.people.as_ref().and_then(|people| people[k].member());
-        let planned = driven.plan.as_ref().map(|plan| plan.agents[k].walker.desired_speed);
+        let made = loaded.people.as_ref().and_then(|people| people[k].member());
+        let planned = loaded.plan.as_ref().map(|plan| plan.agents[k].walker.desired_speed);
         AgentShown {
             id: agent.id.clone(),
             mass: agent.mass,
@@ -125,8 +125,8 @@ pub(crate) fn of(run: &LabRun) -> Scene {
         let Person { sex, breadth, depth, stature, mass } = *agent.everybody().first()?;
         Some(PersonDrawn { sex, breadth, depth, stature, mass })
     };
-    let plan = driven.plan.as_ref();
-    let mut pushed: Vec<String> = driven.table.agents().map(str::to_owned).collect();
+    let plan = loaded.plan.as_ref();
+    let mut pushed: Vec<String> = loaded.table.agents().map(str::to_owned).collect();
     pushed.sort_unstable();
     let of_people: BTreeSet<&str> =
         trial.agents.iter().flat_map(|agent| &agent.shapes).map(|disk| &*disk.material_id).collect();
@@ -173,7 +173,7 @@ pub(crate) fn of(run: &LabRun) -> Scene {
             .map_or_else(Vec::new, |plan| plan.ways_of_points(100).into_iter().map(<[_]>::to_vec).collect()),
         targets: plan.map_or_else(Vec::new, |plan| plan.targets.clone()),
         leaving: plan.map_or(0, |plan| plan.leaving().into_iter().filter(|leaves| *leaves).count()),
-        people: driven.people.as_ref().map(|people| people.iter().map(person).collect()),
+        people: loaded.people.as_ref().map(|people| people.iter().map(person).collect()),
         ..Scene::default()
     }
 }

@@ -157,7 +157,7 @@ pub fn open(name: &str, files: &[(&str, &[u8])], largest: u64) -> Result<Unedite
     let mut read = read(&content.files, &place, notes)?;
     if nameless {
         let stem = Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
-        read.driven.trial.name = stem.unwrap_or_else(|| "Trial".into());
+        read.loaded.trial.name = stem.unwrap_or_else(|| "Trial".into());
     }
     Ok(read)
 }
@@ -245,16 +245,16 @@ fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<Unedited
         let bytes = files.read(&path, LARGEST_CONTENT)?;
         String::from_utf8(bytes).map_err(|error| Refused(format!("{}: {error}", path.display())))
     };
-    let mut driven = LoadedTrial {
+    let mut loaded = LoadedTrial {
         drive: text(DRIVE_FILE)?,
-        wishes: text(DECISION_FILE)?,
+        decision: text(DECISION_FILE)?,
         ..LoadedTrial::alone(trial, None)
     };
-    if !driven.drive.is_empty() {
-        let table = DriveTable::from_csv(driven.drive.as_bytes())
-            .and_then(|table| table.check_agents(Some(&driven.trial)).map(|()| table));
-        driven.table = table.map_err(|error| error.of_file(&place.join(DRIVE_FILE)))?;
+    if !loaded.drive.is_empty() {
+        let table = DriveTable::from_csv(loaded.drive.as_bytes())
+            .and_then(|table| table.check_agents(Some(&loaded.trial)).map(|()| table));
+        loaded.table = table.map_err(|error| error.of_file(&place.join(DRIVE_FILE)))?;
     }
     notes.extend(warnings.iter().map(ToString::to_string));
-    Ok(UneditedTrial { driven, notes, made: None })
+    Ok(UneditedTrial { loaded, notes, placing: None })
 }

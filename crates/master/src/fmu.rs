@@ -17,7 +17,7 @@ use lemons_core::files::{Scratch, input};
 use lemons_core::trial::{Agent, DriveChoice, DriveTable, Problems, Trial};
 use lemons_fmi::Version;
 use lemons_fmi::location::Location;
-use lemons_sim::settings::{meant, named};
+use lemons_sim::settings::{expanded, meant};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
@@ -59,7 +59,7 @@ impl Fmu {
     }
 
     /// Name under which the user knows it.
-    pub(crate) fn shown(&self) -> &str {
+    pub(crate) fn label(&self) -> &str {
         &self.shown
     }
 
@@ -152,7 +152,9 @@ impl Fmu {
         for name in packed.names() {
             let trial = self.trial(Some(name))?;
             let drive = self.drive(Some(&trial), &DriveChoice::Own)?;
-            if driven(&trial.agents, &drive).any(|(_, inputs)| inputs.iter().any(|input| feeds(input))) {
+            if agents_of_drive(&trial.agents, &drive)
+                .any(|(_, inputs)| inputs.iter().any(|input| feeds(input)))
+            {
                 return Ok(true);
             }
         }
@@ -209,10 +211,10 @@ impl Fmu {
 
     /// The values that a name stands for: see [`named`]. In FMI 3.0, a quantity of materials also has its name of FMI
     /// 2.0, which contains their Ids.
-    pub fn named(&self, name: &str) -> Vec<String> {
+    pub fn values_of(&self, name: &str) -> Vec<String> {
         let is_known = |name: &str| self.description.single(name).is_some();
         let found = if is_known(name) { Vec::new() } else { self.of_materials(name) };
-        if found.is_empty() { named(name, is_known) } else { found }
+        if found.is_empty() { expanded(name, is_known) } else { found }
     }
 
     /// The value that an unknown name most likely means.

@@ -194,7 +194,7 @@ fn set(system: &System, name: &str, value: &str, coupled: bool) -> Result<Option
         ))
     })?;
     let SystemComponent { fmu, instance, .. } = &system.components[place];
-    let variables = fmu.named(variable);
+    let variables = fmu.values_of(variable);
     let unknown = variables.iter().any(|name| fmu.kind(name).is_none());
     if unknown && let Some(meant) = fmu.meant(variable) {
         let prefix = name.strip_suffix(variable).unwrap_or_default();
@@ -210,7 +210,7 @@ fn set(system: &System, name: &str, value: &str, coupled: bool) -> Result<Option
 
 /// Returns the variable of the only FMU that a name means, which may have the prefix of a Trial's crowd.
 fn of_crowd<'a>(fmu: &Fmu, name: &'a str) -> &'a str {
-    let own = fmu.named(name).iter().all(|name| fmu.kind(name).is_some());
+    let own = fmu.values_of(name).iter().all(|name| fmu.kind(name).is_some());
     let inside = name.strip_prefix(CROWD).and_then(|rest| rest.strip_prefix('.'));
     inside.filter(|_| !own).unwrap_or(name)
 }
@@ -239,7 +239,7 @@ pub struct DriveFeed {
 impl DriveFeed {
     /// Makes the feed of the inputs of these agents of an instance.
     fn new(instance: &FmuInstance, agents: &[Agent], drive: DriveTable) -> Result<DriveFeed> {
-        let driven = driven(agents, &drive).map(|(agent, names)| (agent.id.clone(), names));
+        let driven = agents_of_drive(agents, &drive).map(|(agent, names)| (agent.id.clone(), names));
         let (ids, names): (Vec<String>, Vec<[String; 3]>) = driven.unzip();
         Ok(DriveFeed { inputs: instance.select(names.iter().flatten())?, ids, drive })
     }

@@ -232,7 +232,7 @@ fn stimuli(documents: Documents, clock: Clock, tolerance: Option<f64>) -> Result
     let mut stimuli = Stimuli::new();
     if documents.plan.is_none() {
         let times: Vec<f64> = std::iter::once(clock.start).chain(clock.points(0)).collect();
-        for (agent, names) in driven(&documents.trial.agents, &documents.drive) {
+        for (agent, names) in agents_of_drive(&documents.trial.agents, &documents.drive) {
             let at = |time: &f64| documents.drive.at(&agent.id, *time).unwrap_or_default();
             let pushes: Vec<[f64; 3]> = times.iter().map(at).collect();
             stimuli.extend(

@@ -66,7 +66,7 @@ impl TrialInput {
 
     /// Returns its file that says where its people walk, if there is one: a link that leads nowhere, too, which is an error for
     /// whoever reads it, and must not mean that nobody walks.
-    pub fn wishes(&self) -> Option<PathBuf> {
+    pub fn decision_file(&self) -> Option<PathBuf> {
         Some(self.directory.join(DECISION_FILE)).filter(|path| path.symlink_metadata().is_ok())
     }
 
@@ -120,7 +120,7 @@ impl TrialInput {
         let plan = match plan {
             PlanChoice::None => None,
             PlanChoice::File(path) => Some((path.clone(), path.clone())),
-            PlanChoice::Own => self.wishes().map(|path| (path, self.path.join(DECISION_FILE))),
+            PlanChoice::Own => self.decision_file().map(|path| (path, self.path.join(DECISION_FILE))),
         };
         let read = plan.as_ref();
         let read = read.map(|(path, known)| plan_of(&trial, path).place(|| known.display().to_string()));
@@ -208,15 +208,15 @@ pub enum PlanChoice {
     File(PathBuf),
 }
 
-/// Reads what the people of a Trial do by the wishes in a file (`decision.toml`). The messages do not name the file.
+/// Reads what the people of a Trial do by a `decision.toml`. The messages do not name the file.
 ///
 /// # Errors
 /// It cannot be read, it is not such a file, or it names people who are not in the Trial.
 pub fn plan_of(trial: &Trial, path: &Path) -> Result<Plan> {
     // What lies in the Trial is not a pipe on purpose.
     let text = input::read_text(path, input::LARGEST_SETTINGS).place(|| "cannot be read".to_owned())?;
-    let wishes = DecisionConfig::from_toml(&text)?;
-    Ok(Plan::of(trial, &wishes)?)
+    let config = DecisionConfig::from_toml(&text)?;
+    Ok(Plan::of(trial, &config)?)
 }
 
 /// The plan in a Decision FMU of ours; `None` of other FMUs.

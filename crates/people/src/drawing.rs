@@ -317,7 +317,7 @@ impl Tracer {
         if let Some([x, y]) = far.map(|corner| <[f64; 2]>::from(*corner)) {
             return Err(PeopleError::new(format!(
                 "{}: a corner at ({x:?}, {y:?}) m is not within {FARTHEST} m of the origin",
-                line.named()
+                line.label()
             )));
         }
         self.lines.push(line);
@@ -331,7 +331,7 @@ impl DrawnLine {
     }
 
     /// Says what it is, and on which layer.
-    pub fn named(&self) -> String {
+    pub fn label(&self) -> String {
         if self.layer.is_empty() {
             self.entity.clone()
         } else {

@@ -209,7 +209,7 @@ impl PanelLayout {
         let groups: BTreeSet<usize> = lines.iter().map(|l| l.group).collect();
         let few = groups.len() <= MOST_NAMED;
         let mut strokes = if few {
-            named(&lines, noun, unit, palette)
+            labelled(&lines, noun, unit, palette)
         } else {
             crowd(panel.steps, noun, &lines, unit, palette)
         };
@@ -291,7 +291,7 @@ fn called(noun: &str, names: &[&str]) -> String {
 }
 
 /// Few lines: each has its colour, each group one name.
-fn named(lines: &[&Curve], noun: &str, unit: f64, palette: &Palette) -> Vec<Stroke> {
+fn labelled(lines: &[&Curve], noun: &str, unit: f64, palette: &Palette) -> Vec<Stroke> {
     // A group is named beside its first solid line, if it has one.
     let is_named = |line: &Curve| {
         let first = lines.iter().filter(|l| l.group == line.group).min_by_key(|l| l.dashed);

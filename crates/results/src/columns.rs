@@ -195,7 +195,7 @@ pub const ALL: Groups =
     Groups { contacts: true, of_step: true, by_walls: true, active: true, legs: true, totals: true };
 
 /// Returns the quantity with this name.
-pub fn named(name: &str) -> Option<&'static RecordedQuantity> {
+pub fn with_name(name: &str) -> Option<&'static RecordedQuantity> {
     QUANTITIES.iter().find(|quantity| quantity.name == name)
 }
 

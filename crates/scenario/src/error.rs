@@ -46,7 +46,7 @@ pub enum ScenarioError {
 pub type Result<T, E = ScenarioError> = std::result::Result<T, E>;
 
 /// Returns a text with another name of each key between backticks that has one.
-pub fn named(text: &str, name: impl Fn(&str) -> Option<String>) -> String {
+pub fn with_names(text: &str, name: impl Fn(&str) -> Option<String>) -> String {
     text.split('`').fold(text.to_owned(), |text, key| match name(key) {
         Some(name) => text.replace(&format!("`{key}`"), &name),
         None => text,

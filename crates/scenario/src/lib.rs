@@ -11,7 +11,7 @@ mod people;
 mod place;
 mod push;
 
-pub use error::{Result, ScenarioError, named};
+pub use error::{Result, ScenarioError, with_names};
 pub use forms::{DoorForm, DrawingForm, OrientationName, RegionForm, Share, TwoNumbers};
 pub use leave::own_speeds;
 pub use people::{Crowd, Four, People, Ready, round};
@@ -265,7 +265,7 @@ impl Scenario {
         let place = self.place(files, self.drawn(files)?)?;
         let ready = self.ready(&population, place, most)?;
         let crowd = ready.crowd(watch)?;
-        ready.made(name, crowd)
+        ready.into_documents(name, crowd)
     }
 
     /// Returns the seed of who the people are and where they stand.

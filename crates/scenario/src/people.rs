@@ -356,7 +356,7 @@ impl Ready<'_> {
     ///
     /// # Errors
     /// People cannot leave, a push reaches nobody, or the mechanical step would be too short.
-    pub fn made(self, name: &str, crowd: Crowd) -> Result<ScenarioDocuments> {
+    pub fn into_documents(self, name: &str, crowd: Crowd) -> Result<ScenarioDocuments> {
         let Ready { scenario, place, agents, .. } = self;
         let poses = crowd.packing.poses.iter().copied();
         let placed: Vec<(CrowdMember, Pose)> = agents.iter().cloned().zip(poses).collect();

@@ -11,7 +11,7 @@ fn crowds() -> Vec<(String, Scenario)> {
     lemons_testing::scenarios().into_iter().map(read).collect()
 }
 
-fn made(scenario: &Scenario) -> Result<ScenarioDocuments, ScenarioError> {
+fn documents(scenario: &Scenario) -> Result<ScenarioDocuments, ScenarioError> {
     scenario.documents("T", MOST_PEOPLE, &LocalFiles, &mut |_| ControlFlow::Continue(()))
 }
 
@@ -20,7 +20,7 @@ fn what_is_written_and_read_again_makes_the_same_files() {
     for (name, scenario) in crowds() {
         let again = Scenario::from_toml(&scenario.to_toml().unwrap()).unwrap();
         assert_eq!(again, scenario, "{name}");
-        let (first, second) = (made(&scenario).unwrap(), made(&again).unwrap());
+        let (first, second) = (documents(&scenario).unwrap(), documents(&again).unwrap());
         let directory = Path::new("T");
         assert_eq!(first.trial.texts(directory), second.trial.texts(directory), "{name}");
         let beside = first.beside().unwrap();
@@ -41,7 +41,7 @@ fn what_is_written_and_read_again_makes_the_same_files() {
 fn the_speed_of_kinds_yields_to_that_of_all_only() {
     let all = crowds();
     let of = |name: &str| all.iter().find(|(known, _)| known == name).unwrap().1.clone();
-    let decided = |scenario: &Scenario| made(scenario).unwrap().decision.unwrap().0;
+    let decided = |scenario: &Scenario| documents(scenario).unwrap().decision.unwrap().0;
     // 20 % children and 10 % wheelchairs have a speed of their own; who has none has the usual one.
     let own = decided(&of("mix"));
     assert_eq!((own.agents.len(), own.desired_speed), (40, Some(Spread::Same(1.34))));
@@ -107,18 +107,21 @@ fn what_cannot_be_is_said_with_its_key() {
             "push 1: nobody stands in its circle",
         ),
     ] {
-        let message = Scenario::from_toml(text).and_then(|scenario| made(&scenario)).unwrap_err().to_string();
+        let message =
+            Scenario::from_toml(text).and_then(|scenario| documents(&scenario)).unwrap_err().to_string();
         assert!(message.contains(words), "{text}: {message}");
     }
     // Round bodies have no luggage, and a room has the doors of both lists.
     let room = &crowds().into_iter().find(|(name, _)| name == "room").unwrap().1;
-    let both = made(room).unwrap();
+    let both = documents(room).unwrap();
     assert_eq!((both.place.doors.len(), both.decision.unwrap().0.exits.unwrap().len()), (2, 2));
     let mut outside = room.clone();
     outside.regions[0] = RegionForm::of(&[[7.0, 0.0], [12.0, 0.0], [12.0, 6.0]].map(Into::into));
-    assert!(made(&outside).unwrap_err().to_string().contains("outside the room"));
+    assert!(documents(&outside).unwrap_err().to_string().contains("outside the room"));
     let many = format!("number = 3\nbox = [5, 5]\ndoors = [{}]", "[5, 2, 1],".repeat(2000));
-    assert!(made(&Scenario::from_toml(&many).unwrap()).unwrap_err().to_string().contains("2000 are more"));
+    assert!(
+        documents(&Scenario::from_toml(&many).unwrap()).unwrap_err().to_string().contains("2000 are more")
+    );
     // Files are looked for beside the scenario.
     let mut files = Memory::default();
     files.put(Path::new("a/b.toml"), b"number = 3\ngeometry = \"c.xml\"".to_vec());

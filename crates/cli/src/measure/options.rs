@@ -16,7 +16,7 @@ pub struct Labelled<T> {
 /// Columns that a name takes in a terminal.
 const LONGEST_NAME: usize = 20;
 
-fn named<T>(text: &str, read: impl Fn(&str) -> Result<T, String>) -> Result<Labelled<T>, String> {
+fn labelled<T>(text: &str, read: impl Fn(&str) -> Result<T, String>) -> Result<Labelled<T>, String> {
     let Some((name, rest)) = text.split_once('=') else {
         return Ok(Labelled { name: String::new(), what: read(text)? });
     };
@@ -28,14 +28,14 @@ fn named<T>(text: &str, read: impl Fn(&str) -> Result<T, String>) -> Result<Labe
 }
 
 pub fn line(text: &str) -> Result<Labelled<CountingLine>, String> {
-    named(text, |text| {
+    labelled(text, |text| {
         let line = list(text).and_then(|numbers| CountingLine::of_numbers(&numbers));
         line.ok_or_else(|| "must be two different points, as in door=5,2,5,3".into())
     })
 }
 
 pub fn measuring_area(text: &str) -> Result<Labelled<MeasuringArea>, String> {
-    named(text, |text| {
+    labelled(text, |text| {
         let area = list(text).and_then(|numbers| MeasuringArea::of_numbers(&numbers));
         area.ok_or_else(|| {
             "must be the lower left and the upper right corner, as in front=3,1,5,4, or at least three corners of a \

@@ -29,7 +29,7 @@ use lemons_people::{
     Body3d, CrowdMember, CrowdStatistics, SKINS, TORSO_ALTITUDE, TRIAL_FILES, crowd_csv, light_xml,
     may_write, write_trial, write_trial_zip,
 };
-use lemons_scenario::{Crowd, MOST_PEOPLE, OrientationName, Ready, Scenario, ScenarioError, named};
+use lemons_scenario::{Crowd, MOST_PEOPLE, OrientationName, Ready, Scenario, ScenarioError, with_names};
 use lemons_sim::lint::of_plan;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -192,7 +192,7 @@ impl Words<'_> {
 
     /// A text about a scenario, in which keys are between backticks.
     fn note(&self, text: &str) -> String {
-        named(text, |key| option_of(key).filter(|_| self.is_option(key)))
+        with_names(text, |key| option_of(key).filter(|_| self.is_option(key)))
     }
 
     /// The same. What is of the file, as its first key says, begins with the file's name.
@@ -343,7 +343,7 @@ pub fn crowd(arguments: Arguments) -> Result<()> {
     bodies::write(&crowd, at.as_deref(), [covered, ground], &mut outputs, &interrupt, &mut out)?;
     let mut done = Ok(());
     if makeable.is_ok() {
-        let made = ready.made(&arguments.name(), placed).map_err(told)?;
+        let made = ready.into_documents(&arguments.name(), placed).map_err(told)?;
         let (mut scene, style) = of_crowd(&made.trial);
         scene.marks = made.place.drawn.as_ref().map_or(Vec::new(), |drawn| marks(&drawn.plan));
         outputs.draw(&scene, &style)?;

@@ -23,7 +23,7 @@ pub struct LeaveArguments {
     #[arg(long = "exit", value_name = "X1,Y1,X2,Y2", value_parser = exit, allow_hyphen_values = true)]
     exits: Vec<[Vec2; 2]>,
     /// How people walk around others. straight: not at all. Default: rotational
-    #[arg(long, value_parser = named(WalkingModelName::ALL, WalkingModelName::name))]
+    #[arg(long, value_parser = parser_of(WalkingModelName::ALL, WalkingModelName::name))]
     model: Option<WalkingModelName>,
     /// Greatest force with which people push ahead, in N: of everybody, or the mean and the standard
     /// deviation of a normal distribution, as in 150,50. With rotational, squeezes hardly grow with it above
@@ -39,7 +39,7 @@ pub struct LeaveArguments {
     start: Option<Spread>,
     /// How people who stand keep their balance, when they are pushed (docs/balance.md). Without --leave:
     /// everybody stands
-    #[arg(long, value_parser = named(&BALANCES, BalanceName::name))]
+    #[arg(long, value_parser = parser_of(&BALANCES, BalanceName::name))]
     balance: Option<BalanceName>,
 }
 

@@ -33,7 +33,7 @@ pub struct Arguments {
     #[arg(long, value_name = "KG", value_parser = measure(BodyMeasure::Mass))]
     mass: f64,
     /// Sex of the three-dimensional body
-    #[arg(long, value_parser = named(&Sex::ALL, Sex::name), default_value = "male")]
+    #[arg(long, value_parser = parser_of(&Sex::ALL, Sex::name), default_value = "male")]
     sex: Sex,
     /// Write the body's surface as Wavefront OBJ
     #[arg(long, value_name = "FILE.obj")]

@@ -45,12 +45,12 @@ pub struct PlacingArguments {
     doors: Vec<DoorForm>,
     /// Packing algorithm. dense: our own, without overlap (default); paper: that of the paper's appendix D;
     /// grid: rows
-    #[arg(long, value_parser = named(&Method::ALL, Method::name))]
+    #[arg(long, value_parser = parser_of(&Method::ALL, Method::name))]
     packing: Option<Method>,
     /// Which way people face. free: any way; fixed: exactly along --direction; towards: first along
     /// --direction, then turned by their neighbours. Default: towards if --direction is given, free if not;
     /// fixed where --light-xml has bicycles
-    #[arg(long, value_parser = named(&OrientationName::ALL, OrientationName::name))]
+    #[arg(long, value_parser = parser_of(&OrientationName::ALL, OrientationName::name))]
     orientation: Option<OrientationName>,
     /// Direction people face, in degrees counter-clockwise from the x axis. Default: 0
     #[arg(long, value_name = "DEGREES", value_parser = ranged("direction", " (degrees)"))]

@@ -221,7 +221,7 @@ impl RunSource {
             return memory.plan.clone();
         }
         let path = if self.runs() { &self.path } else { self.trial.as_ref()? };
-        let own = || TrialInput::open(path).ok()?.wishes().and_then(|wishes| plan_of(trial, &wishes).ok());
+        let own = || TrialInput::open(path).ok()?.decision_file().and_then(|file| plan_of(trial, &file).ok());
         match self.inputs.settings(path).plan {
             PlanChoice::None => None,
             PlanChoice::File(file) => plan_of(trial, &file).ok(),

@@ -21,7 +21,7 @@ struct Difference {
     largest: f64,
     /// Place of the agent, and time \[s\] of it.
     at: (usize, f64),
-    /// Place of the first agent that is further apart than wished, and the first time \[s\].
+    /// Place of the first agent that is further apart than the limit, and the first time \[s\].
     first: Option<(usize, f64)>,
 }
 
@@ -35,7 +35,7 @@ impl Difference {
                 if apart > difference.largest {
                     (difference.largest, difference.at) = (apart, (agent, *time));
                 }
-                if apart > wished {
+                if apart > limit {
                     difference.first.get_or_insert((agent, *time));
                 }
             }
@@ -88,7 +88,7 @@ fn report(accuracy: f64, chosen: &Chosen, halves: &Chosen, fine: &[Poses], coars
         ));
     }
     let millimetres = |length: f64| format!("{:.3e} mm", 1e3 * length);
-    let wished = millimetres(accuracy);
+    let limit = millimetres(accuracy);
     for (fine, coarse) in fine.iter().zip(coarse) {
         let Difference { largest, at: (agent, time), first } = Difference::of(fine, coarse, accuracy);
         let what = if fine.rims.is_some() { "a point" } else { "the position" };
@@ -99,10 +99,10 @@ fn report(accuracy: f64, chosen: &Chosen, halves: &Chosen, fine: &[Poses], coars
             "they differ by nothing at any communication point".to_owned()
         });
         lines.push(match first {
-            None => format!("accuracy           {wished:>10}   is met"),
+            None => format!("accuracy           {limit:>10}   is met"),
             Some((agent, time)) => {
                 let agent = &fine.ids[agent];
-                format!("accuracy           {wished:>10}   is not met: agent {agent} is further apart from t = {time:.3} s on")
+                format!("accuracy           {limit:>10}   is not met: agent {agent} is further apart from t = {time:.3} s on")
             }
         });
     }

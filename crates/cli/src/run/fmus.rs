@@ -136,7 +136,7 @@ impl Reader {
         let component = &system.components[place];
         let trial = trial.filter(|trial| trial.agents.len() == agents);
         let description = &component.fmu.description;
-        let has = |name: &str| match columns::named(name) {
+        let has = |name: &str| match columns::with_name(name) {
             Some(of) if of.group == Group::Totals => is_output(description, of.variable, of),
             Some(of) => (0..agents).all(|i| is_output(description, &of_agent(i, of), of)),
             None => false,

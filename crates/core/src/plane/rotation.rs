@@ -53,7 +53,7 @@ pub fn rotation(angle: f64) -> Rotation {
 /// Returns a rotation turned further by a small angle \[rad\], normalized to first order. An angle of `SMALL_TURN`
 /// causes an error of 1e-17 in the angle.
 #[inline]
-pub fn further(turned: Rotation, angle: f64) -> Rotation {
+pub fn turned_by(turned: Rotation, angle: f64) -> Rotation {
     let square = angle * angle;
     let sin = angle - angle * square * (1.0 / 6.0);
     let cos = 1.0 - square * (0.5 - square * (1.0 / 24.0));

@@ -132,7 +132,7 @@ impl<'a> Text<'a> {
     ) -> Result<(), String> {
         self.space();
         if !self.take(['(']) {
-            return Err(format!("{of} must be followed by a parenthesis, at {}", self.shown()));
+            return Err(format!("{of} must be followed by a parenthesis, at {}", self.excerpt()));
         }
         self.space();
         if self.take([')']) {
@@ -146,7 +146,7 @@ impl<'a> Text<'a> {
                 return Ok(());
             }
             if !self.take([',']) {
-                let rest = self.shown();
+                let rest = self.excerpt();
                 return Err(match of {
                     "POLYGON" => format!("rings of a POLYGON must be separated by commas, at {rest}"),
                     _ => format!("parts of a {of} must be separated by commas, at {rest}"),
@@ -155,7 +155,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    fn shown(&self) -> String {
+    fn excerpt(&self) -> String {
         if self.0.is_empty() {
             "the end of the text".into()
         } else {

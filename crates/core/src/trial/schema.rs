@@ -70,7 +70,7 @@ mod tests {
     const HEADER: &str = "| attribute | type | unit | range | if missing | example | meaning |\n";
 
     /// Type and range, as the page names them.
-    fn named(value: AttributeValue) -> (String, String) {
+    fn type_and_range(value: AttributeValue) -> (String, String) {
         let (kind, range) = match value {
             AttributeValue::Number => ("number", "any"),
             AttributeValue::Positive => ("number", "> 0"),
@@ -103,7 +103,12 @@ mod tests {
                     // After a comma stands what is checked against another attribute.
                     let range = row[4].split(',').next().unwrap();
                     let stated = (row[2].to_owned(), range.to_owned());
-                    assert_eq!((row[1], stated), (&*format!("`{name}`"), named(*value)), "<{}>", schema.name);
+                    assert_eq!(
+                        (row[1], stated),
+                        (&*format!("`{name}`"), type_and_range(*value)),
+                        "<{}>",
+                        schema.name
+                    );
                     let example = format!("{name}=\"{}\"", row[6].trim_matches('`'));
                     assert!(chapter.contains(&example), "{example}");
                 }

@@ -140,23 +140,23 @@ mod tests {
         let goal = "goals = [{ polygon = [[-1, -1], [1, -1], [1, 1], [-1, 1]] }]";
         let slow = "waypoints = [{ x = 9, y = 0 }]\n[agents.0]\ndesired_speed = 0.05";
         let stays = "exits = [{ line = [[9, -5], [9, 5]] }]\n[agents.0]\nwaypoints = []";
-        for (model, wishes) in WalkingModelName::ALL
+        for (model, config) in WalkingModelName::ALL
             .iter()
             .map(|model| model.name())
-            .flat_map(|model| [goal, slow, stays].map(|wishes| (model, wishes)))
+            .flat_map(|model| [goal, slow, stays].map(|config| (model, config)))
         {
             let balance = if model == "straight" { "two-level" } else { "pendulum" };
-            let wishes = format!("model = {model:?}\nbalance = {balance:?}\n{wishes}");
-            let mut decision = decision(&wishes);
+            let config = format!("model = {model:?}\nbalance = {balance:?}\n{config}");
+            let mut decision = decision(&config);
             // As long as a sway to and fro takes.
             for _ in 0..300 {
                 step(&mut decision, 0.0, 0.0, 0.01);
-                assert!(decision.agents[0].legs.stands && !decision.agents[1].legs.stands, "{wishes}");
+                assert!(decision.agents[0].legs.stands && !decision.agents[1].legs.stands, "{config}");
             }
             // Hit: the ground holds only what legs can. Without legs, this person would brake with 210 N.
             for k in 0..5 {
                 let force = step(&mut decision, 0.4 + 0.01 * f64::from(k), 1.5, 0.01);
-                assert!(force > 90.0 && decision.agents[0].legs.stands, "{wishes}: {force}");
+                assert!(force > 90.0 && decision.agents[0].legs.stands, "{config}: {force}");
             }
             // A run that goes on from a state does the same.
             let mut other = decision.anew();

@@ -4,10 +4,10 @@ use crate::config::DecisionConfig;
 use lemons_core::trial::{self, AgentDynamics, Trial};
 use lemons_fmi::{Model, Phase};
 
-pub(super) fn decision(wishes: &str) -> Decision {
+pub(super) fn decision(config: &str) -> Decision {
     let person = |id: &str| (trial::Agent::new(id, 70.0, 1.3, [2.0, 4.0]), AgentDynamics::default());
     let trial = Trial::of(["0", "1"].map(person), Vec::new(), 0.05);
-    Decision::new(Plan::of(&trial, &DecisionConfig::from_toml(wishes).unwrap()).unwrap())
+    Decision::new(Plan::of(&trial, &DecisionConfig::from_toml(config).unwrap()).unwrap())
 }
 
 #[test]
@@ -106,8 +106,8 @@ fn speeds_and_starts_are_drawn_with_the_seed() {
     assert!((10.0..100.0).contains(&start) && own == 3.0 && one != other && (0.5..2.0).contains(&one));
     assert!(drawn(1) == drawn(1) && drawn(1) != drawn(2));
     let refused = |text: &str| {
-        let wishes = DecisionConfig::from_toml(&format!("waypoints = [{{ x = 5, y = 0 }}]\n{text}")).unwrap();
-        Plan::of(&Trial::of([], Vec::new(), 0.05), &wishes).unwrap_err().to_string()
+        let config = DecisionConfig::from_toml(&format!("waypoints = [{{ x = 5, y = 0 }}]\n{text}")).unwrap();
+        Plan::of(&Trial::of([], Vec::new(), 0.05), &config).unwrap_err().to_string()
     };
     let message = refused("start = { min = 2, max = 1 }");
     assert_eq!(message, "everybody: start: min = 2, max = 1: min must be below max");

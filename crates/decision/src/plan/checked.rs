@@ -14,14 +14,14 @@ impl Plan {
     pub(super) fn check_ways(&self) -> Result<(), PlanError> {
         let Some(ways) = self.ways()? else { return Ok(()) };
         if let Some(shut) = ways.shut().first() {
-            return Err(PlanError::Shut { place: self.targets[*shut].named() });
+            return Err(PlanError::Shut { place: self.targets[*shut].label() });
         }
         for agent in self.agents.iter().filter(|agent| agent.destination != Destination::None) {
             let last = agent.walker.waypoints.last().map(|w| vec2(w.x, w.y));
             let from = last.unwrap_or(agent.pose.position);
             if !ways.distance(agent.destination, from).is_finite() {
                 let to = match agent.destination {
-                    Destination::Target(k) => self.targets[k].named(),
+                    Destination::Target(k) => self.targets[k].label(),
                     _ => format!("any exit ({})", names(&self.targets, false)),
                 };
                 let [x, y] = [from.x, from.y].map(|number| format!("{number:.2}"));
@@ -110,7 +110,7 @@ pub(super) fn check_targets(targets: &[Target], time_step: f64) -> Result<(), Pl
         return Err(PlanError::TooManyTargets(targets.len()));
     }
     for target in targets {
-        let place = target.named();
+        let place = target.label();
         for corner in target.corners.iter().flatten() {
             coordinate(&place, "corner", *corner)?;
         }

@@ -45,7 +45,7 @@ pub(super) fn targets_of(config: &DecisionConfig) -> Result<Vec<Target>, PlanErr
     Ok(targets)
 }
 
-/// Returns where everybody goes: the own wish; else by the shares of exits; else the nearest exit; else the only goal. Of
+/// Returns where everybody goes: the own destination; else by the shares of exits; else the nearest exit; else the only goal. Of
 /// each person, the settings of one who `leads` count.
 pub(super) fn destinations(
     people: &[Agent],

@@ -21,7 +21,7 @@ pub(super) fn groups(trial: &Trial, config: &DecisionConfig) -> Result<Vec<Vec<u
     let Some(wanted) = &config.groups else { return Ok(Vec::new()) };
     let people = &trial.agents;
     let mut free = vec![true; people.len()];
-    let mut groups = named(wanted, people, &mut free)?;
+    let mut groups = configured(wanted, people, &mut free)?;
     let part = wanted.share.unwrap_or(0.0);
     number("groups", "share", part, |part| (0.0..=1.0).contains(&part), "from 0 to 1")?;
     let sizes = wanted.sizes.as_deref().unwrap_or(&USUAL_SIZES);
@@ -80,7 +80,11 @@ pub(super) fn groups(trial: &Trial, config: &DecisionConfig) -> Result<Vec<Vec<u
 }
 
 /// Returns the groups of the settings, and takes their members from those who are `free`.
-fn named(wanted: &GroupsConfig, people: &[Agent], free: &mut [bool]) -> Result<Vec<Vec<usize>>, PlanError> {
+fn configured(
+    wanted: &GroupsConfig,
+    people: &[Agent],
+    free: &mut [bool],
+) -> Result<Vec<Vec<usize>>, PlanError> {
     // Of people with the same Id, the first one.
     let places: HashMap<&str, usize> =
         people.iter().enumerate().rev().map(|(i, person)| (&*person.id, i)).collect();

@@ -47,10 +47,10 @@ fn everybody_leaves_beyond_the_door() {
     assert!(numbers(&last).chunks(COLUMNS).all(|of| of[0].is_nan()));
 
     let (zip, text) = trial(&mut lab, 2);
-    let wishes: toml::Table = text.parse().unwrap();
-    assert_eq!(wishes["model"].as_str(), Some("rotational"));
-    assert_eq!(wishes["exits"][0]["name"].as_str(), Some("door 1"), "{text}");
-    assert_eq!(wishes["exits"][0]["open"][0].as_array().unwrap(), &[0.5.into(), 99.0.into()], "{text}");
+    let decision: toml::Table = text.parse().unwrap();
+    assert_eq!(decision["model"].as_str(), Some("rotational"));
+    assert_eq!(decision["exits"][0]["name"].as_str(), Some("door 1"), "{text}");
+    assert_eq!(decision["exits"][0]["open"][0].as_array().unwrap(), &[0.5.into(), 99.0.into()], "{text}");
     assert!(!text.contains("goals") && !text.contains("agents"), "{text}");
     // Opened again, it says the same.
     assert_eq!(open(&mut lab, "leave.zip", &zip)["scene"]["targets"], shown["scene"]["targets"]);
@@ -78,8 +78,8 @@ fn of_several_exits_people_take_the_quickest_unless_they_have_shares() {
     let exits = [line("right", [3.0, 1.0, 3.0, 2.0]), line("left", [0.5, 1.0, 0.5, 2.0])];
     let mut choice = |exits: &[Value], run| {
         ok(&mut lab, show(crowd(5, room()), go(exits, &[])));
-        let wishes: toml::Table = trial(&mut lab, run).1.parse().unwrap();
-        wishes.get("exit_choice").map(|choice| choice.as_str().unwrap().to_owned())
+        let decision: toml::Table = trial(&mut lab, run).1.parse().unwrap();
+        decision.get("exit_choice").map(|choice| choice.as_str().unwrap().to_owned())
     };
     assert_eq!(choice(&exits, 1).as_deref(), Some("time"));
     assert_eq!(choice(&exits[..1], 2), None);
@@ -114,9 +114,9 @@ fn without_exits_everybody_goes_to_the_goal_that_is_nearest_on_foot() {
     let base = with(crowd(3, place), "regions", part(region));
     let goals = [line("left", [1.5, 0.3, 1.5, 1.3]), line("above", [2.8, 3.6, 3.6, 3.6])];
     ok(&mut lab, show(base.clone(), go(&[], &goals)));
-    let wishes: toml::Table = trial(&mut lab, 1).1.parse().unwrap();
+    let decision: toml::Table = trial(&mut lab, 1).1.parse().unwrap();
     for id in ["0", "1", "2"] {
-        assert_eq!(wishes["agents"][id]["goal"].as_str(), Some("above"), "{wishes}");
+        assert_eq!(decision["agents"][id]["goal"].as_str(), Some("above"), "{decision}");
     }
     // Whom one sends to the other, goes there; nobody asks about those who are deleted.
     let mut other = go(&[], &goals);
@@ -125,8 +125,8 @@ fn without_exits_everybody_goes_to_the_goal_that_is_nearest_on_foot() {
     let mut shown = show(base, other);
     shown["edits"] = json!([{"do": "delete", "id": "1"}]);
     ok(&mut lab, shown);
-    let wishes: toml::Table = trial(&mut lab, 2).1.parse().unwrap();
-    let agents = wishes["agents"].as_table().unwrap();
+    let decision: toml::Table = trial(&mut lab, 2).1.parse().unwrap();
+    let agents = decision["agents"].as_table().unwrap();
     let goal = |id: &str| agents[id]["goal"].as_str().unwrap();
     assert_eq!((agents.len(), goal("0"), goal("2")), (2, "left", "above"));
 }

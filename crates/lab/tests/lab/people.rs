@@ -179,8 +179,8 @@ fn a_mix_of_kinds_is_drawn_shown_kept_and_walks_at_its_own_speeds() {
     let mix = json!({"adult": 40, "child": 20, "wheelchair": 20, "with-child": 10, "suitcase": 10});
     let base = with(crowd(40, room.clone()), "mix", mix);
     let exits = json!([{"name": "door", "line": [[9.0, 1.0], [9.0, 5.0]], "polygon": null, "share": null}]);
-    let wishes = json!({"model": "rotational", "desired_speed": 1.34, "exits": exits, "goals": []});
-    let walk = |base: &Value| show(base.clone(), json!({"kind": "go", "wishes": wishes}));
+    let decision = json!({"model": "rotational", "desired_speed": 1.34, "exits": exits, "goals": []});
+    let walk = |base: &Value| show(base.clone(), json!({"kind": "go", "wishes": decision}));
     let (made, _) = ok(&mut lab, walk(&base));
     let scene = &made["scene"];
     assert_eq!(scene["overlapping"], json!([]));

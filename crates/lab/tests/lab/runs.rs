@@ -102,10 +102,10 @@ fn ways_have_shares() {
     let motion = json!({"kind": "walk", "speed": 1.3, "ways": ways, "shares": [3, 1], "seed": 4});
     let (_, first) = ok(&mut lab, show(crowd(8, square(10.0, 2.0)), motion.clone()));
     let (_, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
-    let wishes: toml::Table = file_in(&zip, "decision.toml").parse().unwrap();
+    let decision: toml::Table = file_in(&zip, "decision.toml").parse().unwrap();
     let shares: Vec<_> =
-        wishes["ways"].as_array().unwrap().iter().map(|way| way["share"].as_float()).collect();
-    assert_eq!((shares, wishes["seed"].as_integer()), (vec![Some(3.0), Some(1.0)], Some(4)));
+        decision["ways"].as_array().unwrap().iter().map(|way| way["share"].as_float()).collect();
+    assert_eq!((shares, decision["seed"].as_integer()), (vec![Some(3.0), Some(1.0)], Some(4)));
     // Three of four go left. Who is there has arrived, and wants to get nowhere.
     let (advanced, frames) = ok(&mut lab, advance(1, 1000));
     let (first, frames) = (numbers(&first), numbers(&frames));

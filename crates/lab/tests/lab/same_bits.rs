@@ -170,9 +170,9 @@ fn people_who_leave_have_the_same_bits_everywhere() {
     let (trial, _) = crowd_mechanics::setup::read(&repository().join("resources/Trial_door")).unwrap();
     trial.write(&place).unwrap();
     let exit = "exits = [{ name = \"door\", line = [[6.5, 1.0], [6.5, 4.0]] }]";
-    let wishes = format!("model = \"collision-free-speed\"\nseed = 7\n{exit}");
-    DecisionConfig::from_toml(&wishes).unwrap();
-    std::fs::write(place.join("decision.toml"), wishes).unwrap();
+    let decision = format!("model = \"collision-free-speed\"\nseed = 7\n{exit}");
+    DecisionConfig::from_toml(&decision).unwrap();
+    std::fs::write(place.join("decision.toml"), decision).unwrap();
     let scene = Scene::of(place);
     assert!(scene.problems.iter().any(|problem| problem.rule == Rule::SpeedLeaves));
     scene.check(6.0);

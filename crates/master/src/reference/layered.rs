@@ -162,7 +162,7 @@ fn source(fmu: &Fmu, element: Element<'_>) -> Result<Inside> {
     if uri.starts_with('/') || uri.contains([':', '\\']) {
         return Err(wrong("must be relative, with forward slashes").into());
     }
-    let own = element.file().strip_prefix(fmu.shown()).unwrap_or(Path::new("")).parent();
+    let own = element.file().strip_prefix(fmu.label()).unwrap_or(Path::new("")).parent();
     let mut place = own.unwrap_or(Path::new("")).to_owned();
     for part in uri.split('/').filter(|part| !matches!(*part, "" | ".")) {
         match part {
@@ -179,7 +179,7 @@ fn source(fmu: &Fmu, element: Element<'_>) -> Result<Inside> {
 }
 
 fn inside(fmu: &Fmu, place: &str) -> Inside {
-    Inside { path: fmu.directory().join(place), shown: Path::new(fmu.shown()).join(place) }
+    Inside { path: fmu.directory().join(place), shown: Path::new(fmu.label()).join(place) }
 }
 
 impl Inside {

@@ -92,7 +92,7 @@ impl Causality {
     ];
 
     /// Returns the kind with this name.
-    pub fn named(name: &str) -> Option<Causality> {
+    pub fn from_name(name: &str) -> Option<Causality> {
         Causality::NAMES.iter().find(|(known, _)| *known == name).map(|(_, kind)| *kind)
     }
 
@@ -135,7 +135,7 @@ impl fmt::Display for FmiType {
 
 impl FmiType {
     /// Returns the type with this name.
-    pub fn named(name: &str) -> Option<FmiType> {
+    pub fn from_name(name: &str) -> Option<FmiType> {
         FmiType::deserialize(StrDeserializer::<de::value::Error>::new(name)).ok()
     }
 

@@ -71,7 +71,7 @@ fn read_component(element: Element) -> Result<SspComponent> {
 fn read_connectors(owner: Element) -> Result<BTreeMap<String, Connector>> {
     let mut connectors = BTreeMap::new();
     for element in owner.child("Connectors").into_iter().flat_map(|list| list.children("Connector")) {
-        let kind = Causality::named(element.text("kind")?);
+        let kind = Causality::from_name(element.text("kind")?);
         let typed = read_type(element)?;
         let of = typed.map(|(of, _)| of);
         let attribute = |name: &str| typed.and_then(|(_, typed)| typed.optional(name)).map(str::to_owned);
@@ -94,7 +94,7 @@ fn read_type(connector: Element) -> Result<Option<(FmiType, Element)>> {
     let Some(element) = connector.elements().find(|element| !others.contains(&element.name())) else {
         return Ok(None);
     };
-    match FmiType::named(element.name()) {
+    match FmiType::from_name(element.name()) {
         Some(FmiType::Clock) => Err(element.problem("is not served: clocks are not").into()),
         Some(FmiType::Enumeration) => {
             Ok(element.text("name").map(|_| Some((FmiType::Enumeration, element)))?)
@@ -249,7 +249,7 @@ fn read_parameters(
         let served = |of: &FmiType| {
             [FmiType::Real, FmiType::Integer, FmiType::Boolean, FmiType::String].contains(&of.class())
         };
-        let of = FmiType::named(typed.name()).filter(served);
+        let of = FmiType::from_name(typed.name()).filter(served);
         let of = of.ok_or_else(|| typed.problem("is not served as a parameter's type"))?;
         let text = typed.optional("value").ok_or_else(|| typed.problem("has no value"))?.to_owned();
         match of.class() {

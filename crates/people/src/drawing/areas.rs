@@ -114,11 +114,11 @@ fn polygons(closed: &[DrawnLine], rings: &[Ring]) -> Result<Vec<Drawn>> {
         let whole = ring.is_simple();
         let parts = if whole { None } else { parts(ring, MOST_MADE) };
         require(whole || parts.is_some(), || {
-            format!("{}: its sides cross or touch each other", line.named())
+            format!("{}: its sides cross or touch each other", line.label())
         })?;
         let polygons = parts.unwrap_or_else(|| vec![Polygon { outer: ring.clone(), holes: Vec::new() }]);
         if line.hole {
-            require(is_whole, || format!("{}: it is a hole of a polygon that touches itself", line.named()))?;
+            require(is_whole, || format!("{}: it is a hole of a polygon that touches itself", line.label()))?;
             let holes = polygons.into_iter().map(|polygon| polygon.outer);
             drawn.last_mut().into_iter().for_each(|drawn| drawn.polygon.holes.extend(holes.clone()));
         } else {

@@ -140,7 +140,7 @@ impl FloorPlan {
                     }
                     used && !line.hole
                 });
-                named(used)
+                with_unique_names(used)
             };
         let exits = named(LayerRole::Exit, 2, false, &mut leave_out);
         let distributions = named(LayerRole::Distribution, 3, true, &mut leave_out);
@@ -349,7 +349,7 @@ fn check_layers(
 }
 
 /// Returns places with names of which no two are equal: those that are, or that are missing, get a number.
-fn named<'a>(lines: impl Iterator<Item = &'a (String, DrawnLine)>) -> Vec<NamedPlace> {
+fn with_unique_names<'a>(lines: impl Iterator<Item = &'a (String, DrawnLine)>) -> Vec<NamedPlace> {
     let mut places: Vec<NamedPlace> = Vec::new();
     for (name, line) in lines {
         let corners = line.corners.clone();

@@ -23,7 +23,7 @@ fn name_and_unit(head: &str) -> (&str, Option<&str>) {
 
 /// The head of a column. It has a unit only if this is not the one of our table of columns.
 fn head_of(column: &Column) -> String {
-    let ours = columns::named(&column.name).and_then(|quantity| quantity.unit);
+    let ours = columns::with_name(&column.name).and_then(|quantity| quantity.unit);
     match (&column.unit, ours) {
         (Some(unit), Some(ours)) if unit != ours => format!("{} [{unit}]", column.name),
         _ => column.name.clone(),
@@ -62,7 +62,7 @@ impl Cells for Line<'_> {
         self.record[self.places[k]].parse().unwrap_or(f64::NAN)
     }
 
-    fn shown(&self, k: usize) -> String {
+    fn text(&self, k: usize) -> String {
         format!("{:?}", &self.record[self.places[k]])
     }
 }

@@ -120,7 +120,7 @@ impl Cells for Row {
         }
     }
 
-    fn shown(&self, k: usize) -> String {
+    fn text(&self, k: usize) -> String {
         match &self.0[k].1 {
             Field::Double(value) => format!("{value:?}"),
             Field::Float(value) => format!("{value:?}"),

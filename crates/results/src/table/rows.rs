@@ -48,7 +48,7 @@ pub(super) trait Cells {
     /// Returns a number; NaN if the cell is none.
     fn number(&self, k: usize) -> f64;
     /// Returns a cell, for messages.
-    fn shown(&self, k: usize) -> String;
+    fn text(&self, k: usize) -> String;
 }
 
 /// Makes frames of rows.
@@ -104,7 +104,7 @@ impl<'a, 'b> Frames<'a, 'b> {
         let (path, what) = (self.path, self.what);
         let at = |message: String| RecordError::wrong(path, format!("{what} {n}: {message}"));
         let wrong =
-            |k: usize, name: &str, must: &str| at(format!("column {name}: {} is not {must}", cells.shown(k)));
+            |k: usize, name: &str, must: &str| at(format!("column {name}: {} is not {must}", cells.text(k)));
         let time = cells.number(0);
         if !time.is_finite() {
             return Err(wrong(0, TIME, "a finite number"));

@@ -2,7 +2,7 @@
 //! may come before it.
 
 use super::text::Lines;
-use super::timed::{Timed, shown};
+use super::timed::{Timed, excerpt};
 use super::{Found, MOST_ROWS, Told};
 use crate::error::RecordError;
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
@@ -229,7 +229,7 @@ pub(super) fn read(path: &Path, file: File, told: &Told) -> Result<Found, Record
                 Some((program, cells)) => break (n, program, cells),
                 None => {
                     let message =
-                        format!("{}: is not the table of pedestrians ($PEDESTRIAN:…)", shown(line.trim()));
+                        format!("{}: is not the table of pedestrians ($PEDESTRIAN:…)", excerpt(line.trim()));
                     return Err(timed.rows.wrong(n, message));
                 }
             }
@@ -281,7 +281,7 @@ pub(super) fn read(path: &Path, file: File, told: &Told) -> Result<Found, Record
                 if unit != "m" {
                     return Err(timed
                         .rows
-                        .wrong(n, format!("column {column}: is in {}: must be in m", shown(unit))));
+                        .wrong(n, format!("column {column}: is in {}: must be in m", excerpt(unit))));
                 }
             }
             continue;
@@ -301,8 +301,11 @@ pub(super) fn read(path: &Path, file: File, told: &Told) -> Result<Found, Record
             let [end_time, end_x, end_y] = end.map(|k| cells.get(k));
             let later = timed.time(n, time, end_time)?;
             if later < begin {
-                let message =
-                    format!("column {time}: {} s is before {}, its begin", shown(end_time), shown(own_time));
+                let message = format!(
+                    "column {time}: {} s is before {}, its begin",
+                    excerpt(end_time),
+                    excerpt(own_time)
+                );
                 return Err(timed.rows.wrong(n, message));
             }
             if steps.len() == MOST_ROWS {

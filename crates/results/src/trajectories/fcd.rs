@@ -3,7 +3,7 @@
 
 use super::columns::from_north;
 use super::text::LARGEST;
-use super::timed::{Timed, shown};
+use super::timed::{Timed, excerpt};
 use super::{Found, Told};
 use crate::error::RecordError;
 use lemons_core::files::input::Bounded;
@@ -150,7 +150,7 @@ fn attributes(
         };
         let own = attribute
             .normalized_value(XmlVersion::Implicit1_0)
-            .map_err(|error| wrong(format!("{name}: {}: {error}", shown(&attribute.value))))?;
+            .map_err(|error| wrong(format!("{name}: {}: {error}", excerpt(&attribute.value))))?;
         if value.replace(own.into_owned()).is_some() {
             return Err(wrong(format!("{name}: stands twice")));
         }

@@ -204,7 +204,7 @@ fn rows<'a>(
                 (2.., ValueRef::Integer(value)) => numbers[k - 2] = value as f64,
                 (_, other) => {
                     let must = if k < 2 { "a whole number" } else { "a number" };
-                    return Err(rows.wrong(n, format!("column {name}: {} is not {must}", shown(other))));
+                    return Err(rows.wrong(n, format!("column {name}: {} is not {must}", excerpt(other))));
                 }
             }
         }
@@ -219,7 +219,7 @@ fn rows<'a>(
 }
 
 /// Returns a value as messages show it.
-fn shown(value: ValueRef<'_>) -> String {
+fn excerpt(value: ValueRef<'_>) -> String {
     match value {
         ValueRef::Null => "NULL".into(),
         ValueRef::Integer(value) => value.to_string(),

@@ -55,7 +55,7 @@ impl<'a> Timed<'a> {
         let wrong = if name.is_empty() {
             "is empty".into()
         } else if name.len() > LONGEST_NAME {
-            format!("{} has {} bytes: at most {LONGEST_NAME}", shown(name), name.len())
+            format!("{} has {} bytes: at most {LONGEST_NAME}", excerpt(name), name.len())
         } else if self.names.len() == MOST_PEOPLE {
             format!("there are more than {MOST_PEOPLE} people: too many")
         } else {
@@ -70,7 +70,7 @@ impl<'a> Timed<'a> {
     pub fn number(&self, n: u64, column: &str, text: &str) -> Result<f64, RecordError> {
         let number = text.parse().ok().filter(|value: &f64| value.is_finite());
         number.ok_or_else(|| {
-            self.rows.wrong(n, format!("column {column}: {} is not a finite number", shown(text)))
+            self.rows.wrong(n, format!("column {column}: {} is not a finite number", excerpt(text)))
         })
     }
 
@@ -80,7 +80,7 @@ impl<'a> Timed<'a> {
         for ((own, column), text) in p.iter_mut().zip(columns).zip(texts) {
             *own = self.number(n, column, text)?;
             if own.abs() > FARTHEST {
-                let message = format!("column {column}: {} m is further than {FARTHEST:e} m", shown(text));
+                let message = format!("column {column}: {} m is further than {FARTHEST:e} m", excerpt(text));
                 return Err(self.rows.wrong(n, message + " from the origin"));
             }
         }
@@ -91,7 +91,7 @@ impl<'a> Timed<'a> {
     pub fn time(&mut self, n: u64, column: &str, text: &str) -> Result<f64, RecordError> {
         let time = self.number(n, column, text)?;
         if !(0.0..=LAST_TIME).contains(&time) {
-            let message = format!("column {column}: {} s is not from 0 to {LAST_TIME:e} s", shown(text));
+            let message = format!("column {column}: {} s is not from 0 to {LAST_TIME:e} s", excerpt(text));
             return Err(self.rows.wrong(n, message));
         }
         let decimals = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
@@ -131,7 +131,7 @@ impl<'a> Timed<'a> {
         let (before, line) = self.newest[person];
         if time <= before {
             let (name, stands) =
-                (shown(&self.names[person]), if time == before { "stands twice" } else { "goes back" });
+                (excerpt(&self.names[person]), if time == before { "stands twice" } else { "goes back" });
             let message = format!("id {name} {stands}: at {time:?} s, and at {before:?} s in line {line}");
             return Err(self.rows.wrong(n, message));
         }
@@ -300,7 +300,7 @@ impl Grid {
 }
 
 /// Returns the beginning of a text, as messages show it.
-pub(super) fn shown(text: &str) -> String {
+pub(super) fn excerpt(text: &str) -> String {
     let begin: String = text.chars().take(40).collect();
     if begin.len() < text.len() { format!("{begin:?}…") } else { format!("{begin:?}") }
 }

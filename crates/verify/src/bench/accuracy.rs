@@ -171,9 +171,9 @@ fn dense() -> AccuracyScene {
 fn door() -> Result<AccuracyScene> {
     let mut start = Setup::of(&read(DOOR)?).world()?;
     let mut numbers = Random(4);
-    let wished: Vec<f64> = start.scene().bodies.iter().map(|_| 1.4 + 0.3 * numbers.signed()).collect();
+    let speeds: Vec<f64> = start.scene().bodies.iter().map(|_| 1.4 + 0.3 * numbers.signed()).collect();
     let drive = move |_, _, world: &World| {
-        let bodies = world.scene().bodies.iter().zip(&world.state().poses).zip(&wished);
+        let bodies = world.scene().bodies.iter().zip(&world.state().poses).zip(&speeds);
         let of = |((body, pose), speed): ((&crowd_mechanics::engine::Body, &Pose), &f64)| {
             let goal = if pose.position.x < 5.0 { vec2(5.1, 2.5) } else { vec2(30.0, 2.5) };
             let way = goal - pose.position;

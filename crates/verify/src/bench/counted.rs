@@ -87,9 +87,9 @@ fn walking(more: &str, closes: bool) -> Result<Call> {
     const BEGIN: f64 = 1.5;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_door");
     let input = TrialInput::find(&path)?.context("resources/Trial_door is there")?;
-    let (mut documents, _, wishes) = input.documents(&DriveChoice::None, &PlanChoice::Own)?;
-    let wishes = std::fs::read_to_string(wishes.context("they walk")?)?;
-    let config = DecisionConfig::from_toml(&format!("model = \"rotational\"\n{more}{wishes}"))?;
+    let (mut documents, _, decision) = input.documents(&DriveChoice::None, &PlanChoice::Own)?;
+    let decision = std::fs::read_to_string(decision.context("they walk")?)?;
+    let config = DecisionConfig::from_toml(&format!("model = \"rotational\"\n{more}{decision}"))?;
     if closes {
         let mut door = Wall::new("door", "concrete", vec![vec2(5.0, 2.05), vec2(5.0, 2.95)]);
         door.open = OpeningTimes::of_numbers(&[0.0, BEGIN + 0.2, BEGIN + 0.4]).ok();

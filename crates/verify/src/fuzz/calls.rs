@@ -159,7 +159,7 @@ impl Session {
     /// Returns whether files would be written only where they may. Asked before every call that may write: a damaged state may
     /// name any directory.
     fn writes_in_its_place(&self) -> bool {
-        let Some(output) = self.fmu.named("OutputDirectory") else { return true };
+        let Some(output) = self.fmu.reference_of("OutputDirectory") else { return true };
         let (status, texts) = self.instance.get_string(&[output], 1);
         self.instance.take_messages();
         status != Status::Ok || self.fmu.texts[..OUTPUTS].contains(&texts[0])
@@ -320,7 +320,7 @@ impl Session {
     fn bounded(&self, step: f64) -> (f64, f64) {
         /// More are refused at once: see `engine::step_count`.
         const REFUSED: f64 = 2e12;
-        let Some(reference) = self.fmu.named("TimeStepMechanical") else { return (step, 0.0) };
+        let Some(reference) = self.fmu.reference_of("TimeStepMechanical") else { return (step, 0.0) };
         let (status, value) = self.instance.get_real(&[reference], 1);
         self.instance.take_messages();
         let steps = step / value[0];
@@ -407,10 +407,10 @@ mod tests {
     fn a_session_runs_saves_and_goes_back() {
         for version in Version::BOTH {
             let mut session = Session::new(FuzzedModel::Crowd, version, false);
-            if let Some(parts) = session.fmu.named("IntermediateSteps") {
+            if let Some(parts) = session.fmu.reference_of("IntermediateSteps") {
                 assert_eq!(session.by("parts", |instance| instance.set_integer(&[parts], &[4])), Status::Ok);
             }
-            let push = session.fmu.named(if version == Version::V2 { "agent[0].Fp.x" } else { "Fp" });
+            let push = session.fmu.reference_of(if version == Version::V2 { "agent[0].Fp.x" } else { "Fp" });
             let push = session.fmu.reals.iter().position(|reference| Some(*reference) == push).unwrap() as u8;
             let mut ok = |call: Call| {
                 assert_eq!(session.call(&call), Status::Ok, "{call:?}");
@@ -435,7 +435,7 @@ mod tests {
     #[test]
     fn the_output_directory_of_a_state_is_found() {
         let session = Session::new(FuzzedModel::Crowd, Version::V2, false);
-        let (output, own) = (session.fmu.named("OutputDirectory").unwrap(), &*session.fmu.texts[1]);
+        let (output, own) = (session.fmu.reference_of("OutputDirectory").unwrap(), &*session.fmu.texts[1]);
         assert_eq!(session.instance.set_string(&[output], &[Some(own)]), Status::Ok);
         for (bytes, place) in [(&session.pristine, 0), (&session.instance.bytes(), 1)] {
             let found = (session.fmu.output_directory)(&bytes[HEADER..]).unwrap();

@@ -136,7 +136,7 @@ impl Fmu {
         }
     }
 
-    pub(crate) fn named(&self, name: &str) -> Option<u32> {
+    pub(crate) fn reference_of(&self, name: &str) -> Option<u32> {
         self.variables.iter().find(|variable| variable.name == name).map(|variable| variable.reference)
     }
 
@@ -226,10 +226,10 @@ pub(crate) fn walkers() -> Trial {
 
 fn decision() -> Resources {
     let directory = TempDir::with_prefix("lemons-fuzz-").expect("a temporary directory");
-    let wishes =
+    let config =
         "waypoints = [{ x = 1, y = 2 }, { x = 3, y = 4, radius = 1 }]\n[agents.0]\ndesired_speed = 1";
     walkers().write(directory.path()).expect("a Trial can be written");
-    std::fs::write(directory.path().join(DECISION_FILE), wishes).expect("a file can be written");
+    std::fs::write(directory.path().join(DECISION_FILE), config).expect("a file can be written");
     let resources = directory.path().to_owned();
     Resources { directory: Rc::new(directory), resources, texts: ["", "text"].map(str::to_owned).to_vec() }
 }

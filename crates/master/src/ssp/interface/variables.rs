@@ -67,13 +67,13 @@ fn typed(element: Element, v3: bool) -> Option<(Element, FmiType)> {
         FmiType::Real | FmiType::Integer => !v3,
         _ => v3,
     };
-    FmiType::named(element.name()).filter(is_known).map(|of| (element, of))
+    FmiType::from_name(element.name()).filter(is_known).map(|of| (element, of))
 }
 
 fn read_variable(element: Element, typed: Element, of: FmiType, declared: &Units) -> Result<FmuVariable> {
     let reference = element.parsed("valueReference", "a number from 0 to 4294967295")?;
     let causality = element.optional("causality").unwrap_or("local");
-    let kind = Causality::named(causality);
+    let kind = Causality::from_name(causality);
     let declared_type = typed.optional("declaredType");
     let of_type = || declared.get(declared_type?).copied();
     let unit = typed.optional("unit").or_else(of_type).filter(|unit| !unit.is_empty());

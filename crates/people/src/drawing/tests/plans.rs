@@ -17,7 +17,7 @@ fn proposal(dxf: &str) -> Proposal {
 #[test]
 fn plans_of_architects_have_the_areas_and_doors_that_are_known() {
     for seed in 0..300 {
-        let known = made(seed);
+        let known = hall(seed);
         let found = proposal(&known.dxf);
         let say = || format!("seed {seed}: {:#?}", found.messages());
         // 1 mm along the rim, for rounding in the file.
