@@ -3,7 +3,7 @@
 
 import type { Wishes } from "./protocol";
 
-/** Who was above a limit, and how long [s]. */
+/** People above a limit, and how long [s]. */
 export type AboveLimit = { people: number, first: number | null, who: number, longest: number, time: number, };
 
 /** Numbers of each further step. */
@@ -54,7 +54,7 @@ export type ExitFound = { name: string, corners: Array<[number, number]>, };
 /** A file. */
 export type FileRequest = { "file": "trial", } | { "file": "fmu", version: number, binaries: Array<[string, number]>, } | { "file": "svg" } & PictureStyle | { "file": "population", } | { "file": "mesh", format: MeshFormat, } | { "file": "trajectories", steps: number, };
 
-/** Who crosses a line. */
+/** People who cross a line. */
 export type Flow = { crossings: [number, number, 1 | -1][], };
 
 /** The distribution of each measure: mean, standard deviation, smallest, largest value [m, kg]. */
@@ -141,13 +141,13 @@ export type PictureStyle = { range: [number, number], beyond: boolean, from_grey
 /** How a crowd was placed. */
 export type PlacedCrowd = { density: number, area: number, iterations: number, largest_overlap: number, statistics: CrowdStatistics, };
 
-/** What a drawing seems to be: [`Proposal`]. */
+/** Meaning that a drawing seems to have: [`Proposal`]. */
 export type Proposed = { layers: Array<LayerFound>, walls: Array<string>, obstacles: Array<string>, widest: number, close: number | null, areas: [number, number], ground: Array<Array<[number, number]>>, gaps: Array<GapFound>, questions: Array<string>, };
 
 /** A half sine of force on all whose centres lie in a circle at the start. */
 export type Push = { at: Pair, radius: number, direction: number, force: number, start: number, duration: number, };
 
-/** What a map shows. */
+/** Quantity of a map. */
 export type Quantity = "density" | "squeeze";
 
 /** A part of the ground, and how many people stand there. */
@@ -193,7 +193,7 @@ export type Surface = { vertices: number, triangles: number, };
 /** An exit or a goal. */
 export type Target = { name: string, stay: boolean, corners: Array<[number, number]>, open?: Array<[number, number]>, time_factor?: number, };
 
-/** What is in a drawing. */
+/** Content of a drawing. */
 export type Understood = { room: Room | null, exits: Array<ExitFound>, distributions: Array<Array<[number, number]>>, waypoints: number, area: number | null, said: Array<[string, string]>, layers: Array<string>, doubt: string | null, proposal: Proposed | null, };
 
 /** Name of a model of how people walk among others. */
