@@ -11,7 +11,7 @@ mod trial;
 use crate::error::Misused;
 use crate::files::ForceOption;
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::values::{duration, named, positive};
+use crate::values::{duration, parser_of, positive};
 use accuracy::run_for;
 use anyhow::{Result, bail};
 use clap::builder::{PossibleValuesParser, TypedValueParser};

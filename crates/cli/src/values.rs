@@ -47,7 +47,7 @@ pub fn array<const N: usize>(text: &str) -> Option<[f64; N]> {
 }
 
 /// A parser of the names of some values.
-pub fn named<T: Copy + Send + Sync>(
+pub fn parser_of<T: Copy + Send + Sync>(
     all: &'static [T],
     name: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T> {

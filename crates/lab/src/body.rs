@@ -1,6 +1,6 @@
 //! Bodies in three dimensions, and their sections.
 
-use crate::driven::LoadedTrial;
+use crate::loaded::LoadedTrial;
 use crate::{Refused, Reply, require, within};
 use lemons_people::{Body3d, BodySlice, Figure, MeshPart, Person, packed};
 use serde::Serialize;

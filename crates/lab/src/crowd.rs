@@ -1,6 +1,6 @@
 //! A crowd: a scenario -> a Trial.
 
-use crate::driven::{LoadedTrial, PlacedCrowd, UneditedTrial};
+use crate::loaded::{LoadedTrial, PlacedCrowd, UneditedTrial};
 use crate::reply::{told, words};
 use crate::{Refused, room, within};
 use lemons_core::files::source::Memory;

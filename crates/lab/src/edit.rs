@@ -1,8 +1,7 @@
 //! Changes by hand: people are moved, copied, put there, taken away; the walls of a Trial are others.
 
-use crate::driven::LoadedTrial;
 use crate::frame::overlapping;
-use crate::loaded::{LoadedTrial, TrialSource};
+use crate::loaded::LoadedTrial;
 use crate::person::PersonRequest;
 use crate::{Refused, require, room, within};
 use crowd_mechanics::setup::Setup;
@@ -42,18 +41,18 @@ pub enum Edit {
 /// There is nobody with an Id, an Id is there already, nobody would be left, a measure is no person's, or a number is
 /// not finite.
 pub fn edited(
-    mut driven: LoadedTrial,
+    mut loaded: LoadedTrial,
     edits: &[Edit],
     crowd: Option<&Scenario>,
 ) -> Result<LoadedTrial, Refused> {
     require(edits.len() <= MOST, || format!("{} changes by hand: at most {MOST}", edits.len()))?;
     for edit in edits {
-        change(&mut driven, edit, crowd)?;
-        driven.trial.interactions = Interactions::default();
+        change(&mut loaded, edit, crowd)?;
+        loaded.trial.interactions = Interactions::default();
     }
-    require(!driven.trial.agents.is_empty(), || "nobody would be left".to_owned())?;
+    require(!loaded.trial.agents.is_empty(), || "nobody would be left".to_owned())?;
     if crowd.is_some() && !edits.is_empty() {
-        choose_mechanical_step(&mut driven.trial);
+        choose_mechanical_step(&mut loaded.trial);
     }
     Ok(loaded)
 }
@@ -85,13 +84,13 @@ pub fn fitting(
                 continue;
             }
             // What is impossible changes nothing.
-            match change(&mut driven, edit, crowd) {
+            match change(&mut loaded, edit, crowd) {
                 Ok(()) => made.push(edit.clone()),
                 Err(Refused(why)) => _ = left_out.insert(k, why),
             }
         }
-        let driven = edited(before.clone(), &made, crowd)?;
-        let world = Setup::of(&driven.trial).world()?;
+        let loaded = edited(before.clone(), &made, crowd)?;
+        let world = Setup::of(&loaded.trial).world()?;
         let put: BTreeSet<&str> = made.iter().filter_map(Edit::put).collect();
         let agents = loaded.trial.agents.iter().enumerate().filter(|(_, agent)| put.contains(&*agent.id));
         let depths = agents.map(|(place, agent)| (overlapping(&world, Some(place)), &agent.id));
@@ -117,7 +116,7 @@ impl Edit {
     }
 }
 
-fn change(driven: &mut LoadedTrial, edit: &Edit, crowd: Option<&Scenario>) -> Result<(), Refused> {
+fn change(loaded: &mut LoadedTrial, edit: &Edit, crowd: Option<&Scenario>) -> Result<(), Refused> {
     let place_of = |id: &String| {
         let place = loaded.trial.agents.iter().position(|agent| agent.id == *id);
         place.ok_or_else(|| Refused(format!("there is nobody with the Id {id:?}")))
@@ -125,7 +124,7 @@ fn change(driven: &mut LoadedTrial, edit: &Edit, crowd: Option<&Scenario>) -> Re
     match edit {
         Edit::Room { room } => {
             require(crowd.is_none(), || "a crowd has its room already".to_owned())?;
-            driven.trial.geometry = room::replacing(room, &driven.trial)?;
+            loaded.trial.geometry = room::replacing(room, &loaded.trial)?;
         }
         Edit::Move { id, x, y, theta } => {
             let here = place_of(id)?;
@@ -142,8 +141,8 @@ fn change(driven: &mut LoadedTrial, edit: &Edit, crowd: Option<&Scenario>) -> Re
         Edit::Put { id, person, x, y, theta } => {
             let (person, here) = (person.person()?, pose(*x, *y, *theta)?);
             let round = crowd.is_some_and(|scenario| scenario.round);
-            let (agent, drive) = measured(&driven.trial, &person, round)?;
-            put(driven, id, agent, Some(lemons_people::CrowdMember::Pedestrian(person)), drive, here)?;
+            let (agent, drive) = measured(&loaded.trial, &person, round)?;
+            put(loaded, id, agent, Some(lemons_people::CrowdMember::Pedestrian(person)), drive, here)?;
         }
         Edit::Delete { id } => {
             let place = place_of(id)?;

@@ -1,10 +1,9 @@
 //! Files to keep: a Trial as a zip, as an FMU; tables, pictures, bodies.
 
-use crate::base::split;
-use crate::driven::LoadedTrial;
 use crate::frame::{feet, frame, numbers};
-use crate::loaded::{LoadedTrial, split};
+use crate::loaded::LoadedTrial;
 use crate::run::LabRun;
+use crate::source::split;
 use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::PairForce;
 use crowd_mechanics::pack::{Binary, FmuFormat, Naming, Package, THIRD_PARTY};

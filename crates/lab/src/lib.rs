@@ -5,13 +5,13 @@
 //! page itself while a room is drawn. All lengths are in m, masses in kg, angles in rad, times in s, unless it is said
 //! otherwise.
 //!
-//! A scene is made in one way: [`loaded`] (an example, a crowd, an upload) -> [`edit`] (by hand) -> [`mechanics`] (materials
+//! A scene is made in one way: [`source`] (an example, a crowd, an upload) -> [`edit`] (by hand) -> [`mechanics`] (materials
 //! and steps) -> [`motion`] (what drives people) -> [`run`]. The parts:
 //!
 //! - [`person`], [`body`]: one person; bodies in three dimensions, and sections
 //! - [`kinds`]: kinds of people, and what goes along with them
 //! - [`room`], [`crowd`], [`upload`]: where a Trial comes from
-//! - [`driven`]: a Trial, its people, and what drives them
+//! - [`loaded`]: a Trial, its people, and what drives them
 //! - [`scene`]: what a page draws of it
 //! - [`frame`]: what it keeps of a run, and asks of it; [`map`]: by place; [`limit`]: time above a limit
 //! - [`files`]: files to keep
@@ -20,7 +20,6 @@
 pub mod body;
 pub mod boundary;
 pub mod crowd;
-pub mod driven;
 pub mod edit;
 pub mod files;
 pub mod frame;
@@ -35,19 +34,20 @@ mod reply;
 pub mod room;
 pub mod run;
 pub mod scene;
+pub mod source;
 #[cfg(feature = "typescript")]
 pub mod typescript;
 pub mod upload;
 
-use base::TrialSource;
-use driven::UneditedTrial;
 use lemons_core::require;
 use lemons_core::trial::Rule;
 use lemons_people::placing::Watch;
 use lemons_sim::lint::{self, Files};
+use loaded::UneditedTrial;
 use reply::within;
 pub use reply::{Refused, Reply};
 use serde::{Deserialize, Serialize};
+use source::TrialSource;
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
@@ -124,7 +124,7 @@ pub struct SceneRequest {
 struct Opened {
     scene: scene::Scene,
     notes: Vec<String>,
-    made: Option<driven::PlacedCrowd>,
+    made: Option<loaded::PlacedCrowd>,
     /// Changes by hand that do not fit: their places, and why.
     left_out: Vec<(usize, String)>,
 }
@@ -163,16 +163,16 @@ impl Lab {
             Request::Flow { run, line } => frame::flow(self.present(*run)?.people(), *line, bytes),
             Request::Map { run, of, fresh } => {
                 let run = self.present(*run)?;
-                map::add(&mut run.map, &run.driven, *of, *fresh, bytes)
+                map::add(&mut run.map, &run.loaded, *of, *fresh, bytes)
             }
             Request::Limit(wanted) => limit::add(&mut self.limits, wanted, bytes),
             Request::Sections { run, altitude } => {
                 let run = self.present(*run)?;
-                body::sections(&run.driven, run.bodies()?, *altitude)
+                body::sections(&run.loaded, run.bodies()?, *altitude)
             }
             Request::Bodies { run } => {
                 let run = self.present(*run)?;
-                body::surfaces(&run.driven, run.bodies()?)
+                body::surfaces(&run.loaded, run.bodies()?)
             }
             Request::Take { run, wanted } => files::file(wanted, self.present(*run)?, bytes, watch),
         }
@@ -190,9 +190,9 @@ impl Lab {
         let mut digest = DefaultHasher::new();
         (&shown.tables, bytes).hash(&mut digest);
         let digest = digest.finish();
-        let (base, basis) = match self.basis.take() {
-            Some((base, files, basis)) if (&base, files) == (&shown.base, digest) => (base, basis),
-            _ => (shown.base.clone(), shown.base.basis(&shown.tables, bytes, watch)?),
+        let (base, unedited) = match self.unedited.take() {
+            Some((base, files, unedited)) if (&base, files) == (&shown.base, digest) => (base, unedited),
+            _ => (shown.base.clone(), shown.base.unedited(&shown.tables, bytes, watch)?),
         };
         let (base, _, unedited) = &*self.unedited.insert((base, digest, unedited));
         let before = unedited.loaded.clone();

@@ -1,78 +1,76 @@
-//! Where a Trial comes from.
+//! A Trial, what is known of its people, and what drives them.
 
-use crate::driven::UneditedTrial;
-use crate::edit::{self, Edit};
-use crate::{Refused, crowd, upload};
-use lemons_core::trial::Trial;
-use lemons_people::placing::Watch;
-use lemons_scenario::Scenario;
-use serde::Deserialize;
+use crate::Refused;
+use lemons_core::trial::{DriveTable, Trial};
+use lemons_decision::{DecisionConfig, Plan};
+use lemons_people::{CrowdMember, CrowdStatistics};
+use lemons_sim::Documents;
+use serde::Serialize;
 
-/// Where a Trial comes from.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS), ts(rename = "Base"))]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-#[allow(missing_docs)] // as said
-pub enum TrialSource {
-    /// It comes with the lab: one of [`upload::EXAMPLES`].
-    Example { name: String },
-    /// It is made.
-    Crowd(#[cfg_attr(feature = "typescript", ts(type = "Partial<Scenario>"))] Box<Scenario>),
-    /// It is the user's: the name of the zip or the folder, path and length of each file (one zip, or those of a folder).
-    Upload { name: String, files: Vec<(String, usize)> },
+/// A Trial, what is known of its people, and what drives them.
+#[derive(Debug, Clone)]
+pub struct LoadedTrial {
+    /// The Trial.
+    pub trial: Trial,
+    /// Everybody, if the lab has made them.
+    pub people: Option<Vec<CrowdMember>>,
+    /// The text of its drive.csv; empty if it has none.
+    pub drive: String,
+    /// The same, read.
+    pub table: DriveTable,
+    /// The text of its decision.toml; empty if it has none.
+    pub decision: String,
+    /// The same for the Trial's people.
+    pub plan: Option<Plan>,
 }
 
-impl TrialSource {
-    /// Makes the Trial before edits, or reads it; `tables` are those of a crowd, with their lengths.
+/// How a crowd was placed.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct PlacedCrowd {
+    pub density: f64,
+    pub area: f64,
+    pub iterations: u64,
+    pub largest_overlap: f64,
+    pub statistics: CrowdStatistics,
+}
+
+/// A Trial before edits.
+#[derive(Debug, Clone)]
+pub struct UneditedTrial {
+    /// The Trial.
+    pub loaded: LoadedTrial,
+    /// Warnings.
+    pub notes: Vec<String>,
+    /// The placing of a crowd.
+    pub(crate) placing: Option<PlacedCrowd>,
+}
+
+impl LoadedTrial {
+    /// A Trial that only its AgentDynamics.xml drives.
+    pub fn alone(trial: Trial, people: Option<Vec<CrowdMember>>) -> LoadedTrial {
+        let (drive, decision) = (String::new(), String::new());
+        LoadedTrial { trial, people, drive, table: DriveTable::default(), decision, plan: None }
+    }
+
+    /// Returns what is simulated.
+    pub fn documents(&self) -> Documents {
+        let LoadedTrial { trial, table, plan, .. } = self.clone();
+        Documents { trial, drive: table, plan }
+    }
+
+    /// Takes settings of Decision.
     ///
     /// # Errors
-    /// It is impossible or has errors, or `watch` stopped the placing.
-    pub fn basis(
-        &self,
-        tables: &[(String, usize)],
-        bytes: &[u8],
-        watch: &mut Watch,
-    ) -> Result<UneditedTrial, Refused> {
-        match self {
-            TrialSource::Example { name } => upload::example(name),
-            TrialSource::Crowd(scenario) => crowd::crowd(scenario, &split(tables, bytes)?, watch),
-            TrialSource::Upload { name, files } => {
-                let files = split(files, bytes)?;
-                match upload::scenario(name, &files)? {
-                    Some((path, files)) => crowd::of_file(&path, &files, watch),
-                    None => upload::open(name, &files, upload::LARGEST_CONTENT),
-                }
-            }
-        }
+    /// They do not fit to the Trial.
+    pub fn decided(self, config: Option<DecisionConfig>) -> Result<LoadedTrial, Refused> {
+        let plan = config.as_ref().map(|config| Plan::of(&self.trial, config)).transpose()?;
+        let decision = config.as_ref().map(DecisionConfig::to_toml).transpose()?.unwrap_or_default();
+        Ok(LoadedTrial { plan, decision, ..self })
     }
 
-    /// Returns the scenario of a crowd that is made.
-    pub fn crowd(&self) -> Option<&Scenario> {
-        match self {
-            TrialSource::Crowd(scenario) => Some(scenario),
-            _ => None,
-        }
+    /// Takes a drive.
+    pub fn push(&mut self, table: DriveTable) {
+        (self.drive, self.table) = (table.text_for(&self.trial), table);
     }
-
-    /// Lines \[m\] beyond the doors of a crowd's room, or of walls that were changed, for the people who are there.
-    pub fn beyond_doors(&self, edits: &[Edit], trial: &Trial) -> Vec<[[f64; 2]; 2]> {
-        let room = self.crowd().map_or_else(|| edit::room_of(edits), |scenario| scenario.room.as_ref());
-        room.map_or_else(Vec::new, |room| room.exits(trial.dynamics.iter().map(|here| here.position)))
-    }
-}
-
-/// Returns the files that lie one after the other in the bytes, by their names and lengths.
-///
-/// # Errors
-/// The bytes are fewer than is said.
-pub fn split<'a>(files: &'a [(String, usize)], bytes: &'a [u8]) -> Result<Vec<(&'a str, &'a [u8])>, Refused> {
-    let mut rest = bytes;
-    let part = |(name, length): &'a (String, usize)| {
-        let (part, others) = rest
-            .split_at_checked(*length)
-            .ok_or_else(|| Refused(format!("{name}: its content is missing: open it again")))?;
-        rest = others;
-        Ok((&**name, part))
-    };
-    files.iter().map(part).collect()
 }

@@ -1,7 +1,7 @@
 //! Density and squeeze by place, over frames of a run.
 
-use crate::driven::LoadedTrial;
 use crate::frame::numbers;
+use crate::loaded::LoadedTrial;
 use crate::{Refused, Reply, require};
 use lemons_core::plane::{Bounds, InPlane, Vec2, vec2};
 use lemons_picture::{DENSITY_KERNEL, DensityMap};
@@ -91,12 +91,12 @@ pub(crate) struct Grid {
 /// The bytes are no frames, or they should be added to a map of another quantity.
 pub fn add(
     of: &mut Option<Map>,
-    driven: &LoadedTrial,
+    loaded: &LoadedTrial,
     quantity: MapQuantity,
     fresh: bool,
     bytes: &[u8],
 ) -> Result<Reply, Refused> {
-    let people = driven.trial.agents.len();
+    let people = loaded.trial.agents.len();
     require(bytes.len().is_multiple_of(8 * ROW * people), || {
         format!("{} bytes are not frames of {people} people", bytes.len())
     })?;
@@ -104,7 +104,7 @@ pub fn add(
     let others = of.as_ref().is_some_and(|map| map.quantity() != quantity);
     require(fresh || !others, || "the run's map is of another quantity: begin a new one".to_owned())?;
     let kept = of.take().filter(|_| !fresh);
-    let mut map = kept.unwrap_or_else(|| Map::of(quantity, driven));
+    let mut map = kept.unwrap_or_else(|| Map::of(quantity, loaded));
     let numbers = numbers(bytes);
     let (rows, _) = numbers.as_chunks::<ROW>();
     for frame in rows.chunks(people) {

@@ -1,7 +1,7 @@
 //! The drive of people: as the Trial says, nothing, pushes, ways to walk, or exits and goals. Those who walk and are of a
 //! kind have the desired speed of their kind.
 
-use crate::driven::LoadedTrial;
+use crate::loaded::LoadedTrial;
 use crate::{Refused, require, within};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;

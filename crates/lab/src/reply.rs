@@ -1,7 +1,7 @@
 //! Answers, and why there is none, in words of the page.
 
 use lemons_core::require;
-use lemons_scenario::{ScenarioError, named};
+use lemons_scenario::{ScenarioError, with_names};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -51,7 +51,7 @@ const WORDS: [(&str, &str); 5] = [
 
 /// A text about a scenario in words of the page.
 pub(crate) fn words(text: &str) -> String {
-    named(text, |key| Some(WORDS.iter().find(|(own, _)| *own == key)?.1.to_owned())).replace('`', "")
+    with_names(text, |key| Some(WORDS.iter().find(|(own, _)| *own == key)?.1.to_owned())).replace('`', "")
 }
 
 /// An error in words of the page.

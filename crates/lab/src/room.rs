@@ -248,7 +248,7 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
         format!("{name}: {} doors: at most {MOST_DOORS} are allowed", doors.len())
     })?;
     let (mut doubt, mut proposal) = (None, None);
-    let (mut plan, said, layers) = if let Some(format) = DrawingFormat::of(Path::new(name)) {
+    let (mut plan, messages, layers) = if let Some(format) = DrawingFormat::of(Path::new(name)) {
         form.check().map_err(told)?;
         require(bytes.len() as u64 <= LARGEST_DRAWING, || {
             format!("{name}: more than {} MB", LARGEST_DRAWING / 1_000_000)

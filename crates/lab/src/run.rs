@@ -1,7 +1,6 @@
 //! A Trial, moving.
 
 use crate::body;
-use crate::driven::LoadedTrial;
 use crate::frame::{self, COLUMNS};
 use crate::loaded::LoadedTrial;
 use crate::map::Map;

@@ -1,6 +1,6 @@
 //! A zip or a folder -> a Trial; and the Trials that come with the lab.
 
-use crate::driven::{LoadedTrial, UneditedTrial};
+use crate::loaded::{LoadedTrial, UneditedTrial};
 use crate::{Refused, require};
 use crowd_mechanics::setup;
 use lemons_core::files::input::{self, Bounded};

@@ -131,9 +131,9 @@ fn meaning<'a>(
 
 /// Checks that the dimensions of a connector are those of the FMU.
 fn check_sizes(connector: &Connector, variable: &FmuVariable, interface: &Interface) -> Result<(), String> {
-    let (said, own) = (&connector.dimensions, &variable.dimensions);
-    require(said.len() == own.len(), || {
-        format!("it has {} <Dimension>, but the FMU has an array of {}", said.len(), own.len())
+    let (stated, own) = (&connector.dimensions, &variable.dimensions);
+    require(stated.len() == own.len(), || {
+        format!("it has {} <Dimension>, but the FMU has an array of {}", stated.len(), own.len())
     })?;
     for (stated, own) in stated.iter().zip(own) {
         let size = match stated {

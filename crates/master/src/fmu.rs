@@ -209,7 +209,7 @@ impl Fmu {
         names
     }
 
-    /// The values that a name stands for: see [`named`]. In FMI 3.0, a quantity of materials also has its name of FMI
+    /// The values that a name stands for: see [`expanded`]. In FMI 3.0, a quantity of materials also has its name of FMI
     /// 2.0, which contains their Ids.
     pub fn values_of(&self, name: &str) -> Vec<String> {
         let is_known = |name: &str| self.description.single(name).is_some();
@@ -301,7 +301,7 @@ impl Fmu {
 }
 
 /// Returns the agents that a drive names, with the names of their inputs.
-pub(crate) fn driven<'a>(
+pub(crate) fn agents_of_drive<'a>(
     agents: &'a [Agent],
     drive: &'a DriveTable,
 ) -> impl Iterator<Item = (&'a Agent, [String; 3])> {

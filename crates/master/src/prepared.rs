@@ -5,7 +5,7 @@ use crate::assemble::{Assembled, assemble};
 use crate::calls::FmuInstance;
 use crate::error::{ErrorPlace, MasterError, Result, require};
 use crate::file_type::FileType;
-use crate::fmu::{Fmu, driven};
+use crate::fmu::{Fmu, agents_of_drive};
 use crate::instance::ValueSelection;
 use crate::notes;
 use crate::saved::SavedRun;

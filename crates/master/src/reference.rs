@@ -5,7 +5,7 @@ mod layered;
 mod table;
 
 use crate::error::{ErrorPlace, Result, require};
-use crate::fmu::{Fmu, driven};
+use crate::fmu::{Fmu, agents_of_drive};
 use crate::instance::ValueSelection;
 use crate::ssp::{Causality, FmuVariable, Interface, entry};
 use crowd_mechanics::engine::Wrench;

@@ -173,9 +173,9 @@ impl SavedRun {
             require(zip.index_for_name(name).is_some(), missing)?;
             // No more is unpacked than is said, and no more than is said is allocated.
             let mut bytes = Vec::new();
-            left.copy(name, zip.by_name(name)?.take(said.saturating_add(1)), &mut bytes)?;
-            let other = || format!("{name}: has not the {said} bytes that {RUN} says");
-            require(bytes.len() as u64 == said, other)?;
+            left.copy(name, zip.by_name(name)?.take(stated.saturating_add(1)), &mut bytes)?;
+            let other = || format!("{name}: has not the {stated} bytes that {RUN} says");
+            require(bytes.len() as u64 == stated, other)?;
             states.push(bytes);
         }
         Ok((saved, states))

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 pub struct RunSettings {
     /// A Trial (its directory, or a zip of it), an FMU, or an SSP (by its extension).
     pub input: PathBuf,
-    /// Parameters and start values: names as in [`Fmu::named`](crate::Fmu::named), in an SSP `component.name`; and
+    /// Parameters and start values: names as in [`Fmu::values_of`](crate::Fmu::values_of), in an SSP `component.name`; and
     /// values as text. They are set in this order. Of people who walk, names without a component are the crowd's.
     pub parameters: Vec<(String, String)>,
     /// The number of threads of the crowd; not for an SSP, where it is a parameter of each component.

@@ -37,7 +37,7 @@ pub use enclosing::{Enclosing, WIDEST_DOOR};
 pub use gap::{DOOR, Gap, Leads};
 pub use join::{Joined, WIDEST_GAP};
 pub use place::NamedPlace;
-pub use plan::{FloorPlan, FloorPlanSettings as PlanSettings};
+pub use plan::{FloorPlan, PlanSettings};
 pub use proposal::Proposal;
 pub use read::{Read, sizes};
 pub use role::LayerRole;

@@ -2,7 +2,7 @@
 
 use crate::error::SimError;
 use crate::simulation::Simulation;
-pub use crate::variables::{Value, meant, named};
+pub use crate::variables::{Value, expanded, meant};
 use crowd_mechanics::quantities::CrowdQuantity;
 use lemons_decision::decision;
 use lemons_fmi::variables::{Role, Scalar, VariableType};

@@ -21,7 +21,7 @@ const EVERY_AGENT: &str = "agent[*].";
 
 /// Returns the variables that a name stands for: `agent[*].Mass` stands for those of all known agents, any other name
 /// for itself.
-pub fn named(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
+pub fn expanded(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
     let of_all = name.strip_prefix(EVERY_AGENT).map(|rest| {
         let names = (0..).map(|i| format!("agent[{i}].{rest}"));
         names.take_while(|name| known(name)).collect::<Vec<_>>()
@@ -46,7 +46,7 @@ pub fn meant(unknown: &str, all: impl Iterator<Item = String>) -> Option<String>
         let index = indices.next().unwrap_or_default();
         format!("{name}[{index}]{rest}")
     })?;
-    let exists = named(&with_own, |name| all.contains(name)).iter().all(|name| all.contains(name));
+    let exists = expanded(&with_own, |name| all.contains(name)).iter().all(|name| all.contains(name));
     Some(if exists { with_own } else { (*first).clone() })
 }
 
@@ -64,7 +64,7 @@ impl<M: Model> IndexedModel<M> {
 
     /// Returns the variables that a name stands for; `None` if one of them is unknown.
     pub fn find(&self, name: &str) -> Option<Vec<Scalar<M::Quantity>>> {
-        let all = named(name, |name| self.variables.contains_key(name));
+        let all = expanded(name, |name| self.variables.contains_key(name));
         all.iter().map(|name| self.variables.get(name).cloned()).collect()
     }
 

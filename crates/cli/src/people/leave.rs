@@ -2,7 +2,7 @@
 
 use super::ranged;
 use crate::error::Misused;
-use crate::values::{array, named};
+use crate::values::{array, parser_of};
 use anyhow::{Result, bail};
 use lemons_core::distribution::{Distribution, Range};
 use lemons_core::plane::{Vec2, vec2};

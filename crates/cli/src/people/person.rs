@@ -5,7 +5,7 @@ use super::{line, measure};
 use crate::error::Misused;
 use crate::files::ForceOption;
 use crate::print;
-use crate::values::{named, within};
+use crate::values::{parser_of, within};
 use anyhow::Result;
 use lemons_core::plane::Pose;
 use lemons_core::trial::Geometry;

@@ -5,7 +5,7 @@ use super::regions::{door, region};
 use super::room::{self, DrawingArguments};
 use crate::interrupt::Interrupt;
 use crate::print;
-use crate::values::named;
+use crate::values::parser_of;
 use anyhow::Result;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_people::drawing::Read;

@@ -26,8 +26,8 @@ struct Difference {
 }
 
 impl Difference {
-    /// Compares the poses of two runs, which are wished to be this close \[m\].
-    fn of(run: &Poses, others: &Poses, wished: f64) -> Difference {
+    /// Compares the poses of two runs, with the limit \[m\] of the distance.
+    fn of(run: &Poses, others: &Poses, limit: f64) -> Difference {
         let mut difference = Difference { largest: 0.0, at: (0, 0.0), first: None };
         for ((time, poses), (_, others)) in run.points.iter().zip(&others.points) {
             for (agent, (pose, other)) in poses.iter().zip(others).enumerate() {

@@ -90,7 +90,7 @@ pub(super) fn experiments(name: &str, clock: Clock, experiment: &Experiment, sti
 pub(super) fn read(fmu: &Fmu) -> Result<Vec<Described>> {
     let manifest = inside(fmu, &format!("{DIRECTORY}/{MANIFEST}"));
     require(manifest.path.is_file(), || {
-        format!("{}: it holds no reference ({DIRECTORY}); lemons pack --reference adds one", fmu.shown())
+        format!("{}: it holds no reference ({DIRECTORY}); lemons pack --reference adds one", fmu.label())
     })?;
     let bytes = manifest.bytes()?;
     let document = Document::parse(&manifest.shown, &bytes, NODES)?;

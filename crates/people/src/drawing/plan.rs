@@ -25,7 +25,7 @@ const AT_A_WALL: f64 = 0.2;
 
 /// How a drawing becomes a plan.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct FloorPlanSettings {
+pub struct PlanSettings {
     /// \[m\] Ends of lines that are at most so far apart are joined.
     pub close: Option<f64>,
     /// Whether the lower left corner of everything goes to the origin.
@@ -36,11 +36,11 @@ pub struct FloorPlanSettings {
     pub enclosing: Option<Enclosing>,
 }
 
-impl FloorPlanSettings {
+impl PlanSettings {
     /// Returns settings with the layers of a drawing.
-    fn parted(&self, drawing: &Drawing) -> FloorPlanSettings {
+    fn parted(&self, drawing: &Drawing) -> PlanSettings {
         let enclosing = self.enclosing.as_ref().map(|how| how.parted(drawing));
-        FloorPlanSettings { walls: drawing.layers(&self.walls), enclosing, ..self.clone() }
+        PlanSettings { walls: drawing.layers(&self.walls), enclosing, ..self.clone() }
     }
 }
 
@@ -80,7 +80,7 @@ impl FloorPlan {
     ///
     /// # Errors
     /// There are no walls, or an area crosses itself.
-    pub fn of(drawing: Drawing, settings: &FloorPlanSettings) -> Result<FloorPlan> {
+    pub fn of(drawing: Drawing, settings: &PlanSettings) -> Result<FloorPlan> {
         let settings = &settings.parted(&drawing);
         let Drawing { mut lines, mut left_out, .. } = drawing;
         check_layers(&settings.walls, &lines, &left_out)?;

@@ -1,4 +1,4 @@
-//! A drawing that was read, and what is said of it.
+//! A drawing that was read, and what is messages of it.
 
 use super::areas::TOUCH;
 use super::{
@@ -26,7 +26,7 @@ pub struct Read {
     pub plan: FloorPlan,
     /// Layers without a meaning, of which [`PlanSettings::walls`] can choose; none where others have one.
     pub layers: Vec<String>,
-    /// Why the outline may not be the room; none where nothing speaks against it, or somebody has said what it is.
+    /// Why the outline may not be the room; none where nothing speaks against it, or somebody has messages what it is.
     pub doubt: Option<String>,
     format: DrawingFormat,
     unit: f64,
@@ -153,7 +153,7 @@ impl Read {
                 ),
             ));
         }
-        said.extend(places::doubts(plan).into_iter().map(|doubt| ("warning", doubt)));
+        messages.extend(places::doubts(plan).into_iter().map(|doubt| ("warning", doubt)));
         let kinds = plan.left_out.len();
         messages.extend(plan.left_out.iter().take(MOST_LEFT_OUT).map(|kind| ("left out", left_out(kind))));
         if kinds > MOST_LEFT_OUT {

@@ -143,7 +143,7 @@ pub(super) struct ExpectedPlan {
 }
 
 /// A hall, perhaps with a second room, and what architects draw in it.
-pub(super) fn made(seed: u64) -> ExpectedPlan {
+pub(super) fn hall(seed: u64) -> ExpectedPlan {
     let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
     random.part();
     let units = [(0.001, 4), (0.01, 5), (1.0, 6)];

@@ -1,6 +1,6 @@
 //! Plans as architects draw them, against areas and doors that are known by hand.
 
-use super::made::{PlanBuilder, Random, made};
+use super::made::{PlanBuilder, Random, hall};
 use super::*;
 use crate::Door;
 use lemons_core::plane::vec2;

@@ -202,7 +202,7 @@ impl ArgumentSource for Drawn<'_, '_> {
         self.pointers += 1;
         let array = if of == TypeId::of::<*const u32>() {
             let references: Vec<u32> = (0..MOST).map(|_| self.reference()).collect();
-            let output = self.fmu.named("OutputDirectory");
+            let output = self.fmu.reference_of("OutputDirectory");
             self.writes |= references.iter().any(|reference| Some(*reference) == output);
             let array = self.array(&references);
             self.references = Some(references);
