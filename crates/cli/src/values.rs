@@ -52,5 +52,5 @@ pub fn parser_of<T: Copy + Send + Sync>(
     name: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T> {
     let parser = PossibleValuesParser::new(all.iter().map(|value| name(*value)));
-    parser.map(move |said| all.iter().copied().find(|value| name(*value) == said).unwrap_or(all[0]))
+    parser.map(move |text| all.iter().copied().find(|value| name(*value) == text).unwrap_or(all[0]))
 }

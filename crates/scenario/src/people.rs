@@ -5,7 +5,7 @@ use crate::forms::{self, OrientationName};
 use crate::place::{Ground, WalkableRoom};
 use crate::{MOST_PEOPLE, ROUND, Scenario, ScenarioDocuments, drive};
 use lemons_core::files::input;
-use lemons_core::files::source::FileSource as Files;
+use lemons_core::files::source::FileSource;
 use lemons_core::plane::{Pose, Vec2};
 use lemons_decision::Plan;
 use lemons_people::placing::{
@@ -117,7 +117,7 @@ impl Scenario {
     ///
     /// # Errors
     /// A file cannot be read or has errors, or there is no such kind.
-    pub fn population(&self, files: &dyn Files) -> Result<Population> {
+    pub fn population(&self, files: &dyn FileSource) -> Result<Population> {
         let (mut men, mut pedestrians, mut bicycles) = (0.5, 1.0, None);
         let (mut mix, mut kinds, mut from) =
             (forms::shares(&self.mix)?, Kinds::built_in()?, "`mix`".to_owned());

@@ -3,11 +3,11 @@
 use crate::error::{Of, Result, ScenarioError, fits, impossible, require};
 use crate::forms::{RegionForm, TwoNumbers};
 use crate::{Scenario, WALLS};
-use lemons_core::files::source::FileSource as Files;
+use lemons_core::files::source::FileSource;
 use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use lemons_people::drawing::places::inside;
-use lemons_people::drawing::{DrawingFormat, LARGEST_DRAWING, NamedPlace as DrawnPlace, Read};
+use lemons_people::drawing::{DrawingFormat, LARGEST_DRAWING, NamedPlace, Read};
 use lemons_people::placing::{FreeSpace, Packing, Region};
 use lemons_people::room::Room;
 use lemons_people::{Door, PeopleError, closed_walls, cut_doors, walls};
@@ -109,7 +109,7 @@ impl Scenario {
     ///
     /// # Errors
     /// It cannot be read, or there are no walls in it; or it is no drawing, and is to be read as one.
-    pub fn drawn(&self, files: &dyn Files) -> Result<Option<Read>> {
+    pub fn drawn(&self, files: &dyn FileSource) -> Result<Option<Read>> {
         let Some((path, format)) =
             self.geometry.as_ref().and_then(|path| Some((path, DrawingFormat::of(path)?)))
         else {
@@ -128,7 +128,7 @@ impl Scenario {
         Read::of(format, &bytes, &self.drawing.reading(), &self.drawing.settings()).of(named).map(Some)
     }
 
-    fn walls(&self, files: &dyn Files, drawn: Option<&Read>, notes: &mut Vec<String>) -> Result<Walls> {
+    fn walls(&self, files: &dyn FileSource, drawn: Option<&Read>, notes: &mut Vec<String>) -> Result<Walls> {
         if let Some(TwoNumbers([width, height])) = self.sides {
             let region = Region::rectangle(Vec2::zeros(), vec2(width, height)).of("`box`")?;
             let name = format!("a box of {width} m x {height} m");
@@ -157,7 +157,7 @@ impl Scenario {
     ///
     /// # Errors
     /// Walls do not bound a region, a region has no ground, or a door is not at a wall.
-    pub fn place(&self, files: &dyn Files, mut drawn: Option<Read>) -> Result<WalkableRoom> {
+    pub fn place(&self, files: &dyn FileSource, mut drawn: Option<Read>) -> Result<WalkableRoom> {
         let mut notes = Vec::new();
         let (geometry, whole, name) = self.walls(files, drawn.as_ref(), &mut notes)?;
         let regions = self.regions_of(drawn.as_ref(), &mut notes)?;
@@ -232,7 +232,7 @@ impl Scenario {
     /// The regions that were given, else those of the drawing.
     fn regions_of(&self, drawn: Option<&Read>, notes: &mut Vec<String>) -> Result<Vec<RegionForm>> {
         let Some(drawn) = drawn.filter(|_| self.regions.is_empty()) else { return Ok(self.regions.clone()) };
-        let placed = |place: &&DrawnPlace| inside(&drawn.plan, &place.corners).is_some();
+        let placed = |place: &&NamedPlace| inside(&drawn.plan, &place.corners).is_some();
         for (k, place) in drawn.plan.distributions.iter().filter(placed).enumerate() {
             notes.push(format!("region {k}: distribution {:?} of the drawing", place.name));
         }

@@ -8,7 +8,7 @@ use crowd_mechanics::model_description::MODEL_NAME;
 use crowd_mechanics::quantities::{CrowdQuantity, guid};
 use lemons_core::plane::{Twist, Vec2};
 use lemons_decision::DECISION_FILE;
-use lemons_fmi::variables::{Scalar, VariableType as VariableKind};
+use lemons_fmi::variables::{Scalar, VariableType};
 use lemons_master::{ComponentRecord, RunSettings, TrialInput, notes};
 use lemons_results::columns::{ALL, Column, Groups};
 use lemons_results::{CellType, Frame};
@@ -29,8 +29,8 @@ struct TrialRun {
 fn columns_of(simulation: &Simulation) -> Vec<Column> {
     let column = |scalar: &Scalar<_>| {
         let (kind, unit) = match scalar.variable.kind {
-            VariableKind::Real(of) => (CellType::Real, Some(of.unit.name.to_owned())),
-            VariableKind::Integer => (CellType::Integer, None),
+            VariableType::Real(of) => (CellType::Real, Some(of.unit.name.to_owned())),
+            VariableType::Integer => (CellType::Integer, None),
             _ => (CellType::Boolean, None),
         };
         Column {

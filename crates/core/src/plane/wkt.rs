@@ -312,8 +312,8 @@ mod tests {
             ("POLYGON ((0 0, 2 0, 2 3, 0 0) (2 2, 3 2, 2 3, 2 2))", "separated by commas"),
             ("POLYGON ((0 0, é", "\"é\" is not a corner"),
         ] {
-            let said = polygon_from_wkt(text).unwrap_err();
-            assert!(said.contains(expected), "{text}: {said}");
+            let message = polygon_from_wkt(text).unwrap_err();
+            assert!(message.contains(expected), "{text}: {message}");
         }
     }
 }

@@ -155,13 +155,13 @@ fn a_survey_gives_its_own_people() {
     assert_eq!(message(ansur_source(), 1.5), "proportion of men = 1.5: must be within 0…1");
     assert_eq!(message(ansur_source(), f64::NAN), "proportion of men = NaN: must be within 0…1");
     let wrong = PopulationSource::Fixed(Person { mass: -55.0, ..person });
-    let said = message(wrong, 0.5);
-    assert_eq!(said, "the fixed person: mass = -55 kg: must be positive and finite");
+    let refusal = message(wrong, 0.5);
+    assert_eq!(refusal, "the fixed person: mass = -55 kg: must be positive and finite");
     let mut bicycles = PAPER_BICYCLES;
     bicycles[4].mean = 1e6;
-    let said = Population::new(ansur_source(), 0.5).unwrap().with_bicycles(bicycles);
-    let said = said.unwrap_err().to_string();
-    assert!(said.starts_with("bicycle's mass: min = 10, max = 100: more than 6"), "{said}");
+    let refusal = Population::new(ansur_source(), 0.5).unwrap().with_bicycles(bicycles);
+    let refusal = refusal.unwrap_err().to_string();
+    assert!(refusal.starts_with("bicycle's mass: min = 10, max = 100: more than 6"), "{refusal}");
 }
 
 #[test]
@@ -214,8 +214,8 @@ fn impossible_statistics_are_refused() {
             ": chest depth exceeds bideltoid breadth in 2000 of 2000 draws: few people are possible",
         ),
     ];
-    for (change, said) in changes {
+    for (change, message) in changes {
         let refused = custom(|[men, _]| change(men, deep)).unwrap_err();
-        assert_eq!(refused.to_string(), format!("male statistics{said}"));
+        assert_eq!(refused.to_string(), format!("male statistics{message}"));
     }
 }
