@@ -4,7 +4,7 @@ pub(crate) use lemons_core::require;
 use lemons_people::PeopleError;
 use std::fmt::Display;
 
-/// An error. In its text, keys of the scenario are between backticks: see [`named`].
+/// An error. In its text, keys of the scenario are between backticks: see [`with_names`].
 #[derive(Debug, thiserror::Error)]
 pub enum ScenarioError {
     /// Keys that do not fit together, or one that is missing.

@@ -5,7 +5,7 @@ use nalgebra::UnitComplex;
 /// A rotation, counter-clockwise, by its cosine (`re`) and its sine (`im`). [`rotation`] makes it.
 pub type Rotation = UnitComplex<f64>;
 
-/// \[rad\] The largest angle for [`further`].
+/// \[rad\] The largest angle for [`turned_by`].
 pub const SMALL_TURN: f64 = 1e-3;
 
 /// \[rad\] Below this, splitting a quarter turn into two parts causes no error.
