@@ -2,6 +2,7 @@
 
 import { signal } from "@preact/signals";
 import type { Film } from "./film";
+import { t } from "./language";
 import { type Colour, plan } from "./plan";
 import { COLUMNS } from "./protocol";
 
@@ -114,15 +115,15 @@ export function averaged({ scene: { step } }: Film) {
 /** The time over which the squeeze is a mean really: whole communication steps, at the start of a run fewer. */
 export function meanWords(film: Film, k = Infinity) {
     const steps = Math.max(1, Math.min(k, averaged(film)));
-    const seconds = `${Number((steps * film.scene.step).toPrecision(6))} s`;
-    return steps === 1 ? `mean of 1 step (${seconds})` : `mean of ${seconds}`;
+    const seconds = Number((steps * film.scene.step).toPrecision(6));
+    return steps === 1 ? t("mean of 1 step ({seconds} s)", { seconds }) : t("mean of {seconds} s", { seconds });
 }
 
 /** Name and unit, the low end, and what no automatic scale's high end goes below. */
 const SCALES: Record<Exclude<Colour, "kind">, [string, string, number, number]> = {
-    speed: ["Speed", "m/s", 0, 0.5],
-    squeeze: ["Squeeze", "N", 200, 400],
-    contacts: ["Contacts", "", 0, 4],
+    speed: [t("Speed"), "m/s", 0, 0.5],
+    squeeze: [t("Squeeze"), "N", 200, 400],
+    contacts: [t("Contacts"), "", 0, 4],
 };
 /** The column of a frame. */
 const CONTACTS = 7;
@@ -203,7 +204,7 @@ export function scaleOf(film: Film, wanted: Colour): Scale {
     if (colour === "kind") {
         const count = (name: string) => film.scene.agents.filter(({ kind }) => kind === name).length;
         const kinds = kindsOf(film).map((name, k) => ({ name, count: count(name), shade: kindShade(k) }));
-        return { kinds, label: "Kind", unit: "", low: 0, high: kinds.length, largest: 0, ramp: kinds.map(({ shade }) => shade.fill) };
+        return { kinds, label: t("Kind"), unit: "", low: 0, high: kinds.length, largest: 0, ramp: kinds.map(({ shade }) => shade.fill) };
     }
     const [label, unit, low, least] = SCALES[colour];
     const spread = spreadOf(film, colour);

@@ -111,12 +111,12 @@ export function leavingCsv(film: Film): string {
 }
 
 /** How many have left by each exit, and people per second from the first to the last of them. */
-export function perExit(film: Film): { name: string; count: number; flow: number | null }[] {
+export function perExit(film: Film): { name: string; people: number; flow: number | null }[] {
     const all = leavings(film);
     return film.scene.targets
         .filter(({ stay }) => !stay)
         .map(({ name }) => {
             const frames = all.filter(({ exit }) => exit === name).map(({ frame }) => frame);
-            return { name, count: frames.length, flow: meanFlow(frames.length, frames[0] ?? 0, frames.at(-1) ?? 0, film.scene.step) };
+            return { name, people: frames.length, flow: meanFlow(frames.length, frames[0] ?? 0, frames.at(-1) ?? 0, film.scene.step) };
         });
 }

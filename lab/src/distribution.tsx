@@ -1,6 +1,7 @@
 // How often the values of a measure are in the survey.
 
-import type { MeasureShown } from "./protocol";
+import { engineText, t } from "./language";
+import type { MeasureShown, Sex } from "./protocol";
 
 const [WIDTH, HEIGHT, FOOT] = [320, 70, 18];
 /** Most bars and ticks. */
@@ -44,11 +45,12 @@ interface DistributionProps {
     /** From the measure's unit to the one that is shown. */
     by: number;
     unit: string;
-    people: string;
+    sex: Sex;
 }
 
-export function Distribution({ measure, by, unit, people }: DistributionProps) {
-    const { name, quantiles, value, rank } = measure;
+export function Distribution({ measure, by, unit, sex }: DistributionProps) {
+    const { quantiles, value, rank } = measure;
+    const name = engineText(measure.name);
     const bars = barsOf(quantiles, by);
     const [low, high] = [bars[0]!.from, bars.at(-1)!.to];
     const step = bars[0]!.to - low;
@@ -61,7 +63,10 @@ export function Distribution({ measure, by, unit, people }: DistributionProps) {
     const ticks: number[] = [];
     for (let k = Math.ceil(low / tick - 1e-9); k * tick <= high + 1e-9; k++) ticks.push(k * tick);
     const median = (by * quantiles[Math.floor(quantiles.length / 2)]!).toFixed(1);
-    const share = rank <= 0 ? `less than all ${people}` : rank >= 1 ? `more than all ${people}` : `more than ${percent(rank)} of the ${people}`;
+    const men = sex === "male";
+    const all = rank <= 0 ? (men ? t("less than all men") : t("less than all women")) : men ? t("more than all men") : t("more than all women");
+    const share = rank > 0 && rank < 1 ? moreThan(percent(rank), sex) : all;
+    const half = { median, unit };
     return (
         <figure class="distribution">
             <figcaption>
@@ -73,14 +78,14 @@ export function Distribution({ measure, by, unit, people }: DistributionProps) {
             <svg
                 viewBox={`-14 0 ${WIDTH + 28} ${HEIGHT + FOOT}`}
                 role="img"
-                aria-label={`${name} in ${unit}, from ${words(low)} to ${words(high)}: ${share}. Half of the ${people} have less than ${median} ${unit}.`}
+                aria-label={`${t("{name} in {unit}, from {low} to {high}: {share}.", { name, unit, low: words(low), high: words(high), share })} ${men ? t("Half of the men have less than {median} {unit}.", half) : t("Half of the women have less than {median} {unit}.", half)}`}
             >
                 {bars.map(({ from, to, share }) => {
                     const height = (HEIGHT * share) / most;
                     return (
                         <rect key={from} x={x(from) + 0.5} width={Math.max(0.5, x(to) - x(from) - 1)} y={HEIGHT - height} height={height} class="bar">
                             <title>
-                                {words(from)} to {words(to)} {unit}: {percent(share)}
+                                {t("{from} to {to} {unit}: {share}", { from: words(from), to: words(to), unit, share: percent(share) })}
                             </title>
                         </rect>
                     );
@@ -95,6 +100,11 @@ export function Distribution({ measure, by, unit, people }: DistributionProps) {
             </svg>
         </figure>
     );
+}
+
+/** How many of the survey have less. */
+export function moreThan(share: string, sex: Sex) {
+    return sex === "male" ? t("more than {share} of the men", { share }) : t("more than {share} of the women", { share });
 }
 
 export function capital(words: string) {

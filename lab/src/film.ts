@@ -3,6 +3,7 @@
 import { batch, computed, signal } from "@preact/signals";
 import { type Client, Stopped } from "./client";
 import { Frames } from "./frames";
+import { t } from "./language";
 import type { Made } from "./plan";
 import type { Advanced, Scene } from "./protocol";
 
@@ -149,7 +150,7 @@ export class Film {
                 this.#look();
             });
         } catch (error) {
-            if (!this.over && !(error instanceof Stopped)) this.failed.value = `the run ended: ${(error as Error).message}`;
+            if (!this.over && !(error instanceof Stopped)) this.failed.value = t("the run ended: {message}", { message: (error as Error).message });
             this.playing.value = false;
         }
     }
@@ -173,7 +174,7 @@ export class Film {
         if (this.frames.count >= this.most) {
             if (this.shown.value >= there) {
                 this.playing.value = false;
-                this.failed.value = `the run ends here, at ${(there * this.scene.step).toFixed(2)} s: its frames fill ${MOST_BYTES / 1e6} MB`;
+                this.failed.value = t("the run ends here, at {end} s: its frames fill {most} MB", { end: (there * this.scene.step).toFixed(2), most: MOST_BYTES / 1e6 });
             }
             return;
         }

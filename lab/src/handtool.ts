@@ -1,6 +1,7 @@
 // Single people, moved, turned, copied and deleted by hand. Each act is one edit of the plan.
 
 import { computed, signal } from "@preact/signals";
+import { count, t } from "./language";
 import { digits } from "./parts";
 import { MOST } from "./forms";
 import { plan } from "./plan";
@@ -52,10 +53,10 @@ export const chosen = computed<Pose | null>(() => {
 export const said = computed(() => {
     const found = overlaps.value;
     if (!pose.value || !found) return "";
-    if (found.depth <= 0) return "No overlap.";
+    if (found.depth <= 0) return t("No overlap.");
     const others = found.agents.length;
-    const whom = [others > 0 && `${others} ${others === 1 ? "other" : "others"}`, found.wall && "a wall"].filter(Boolean).join(" and ");
-    return `It overlaps ${whom}, by ${digits(1000 * found.depth, 2)} mm.`;
+    const those = found.wall ? count(others, "{n} other and a wall", "{n} others and a wall") : count(others, "{n} other", "{n} others");
+    return t("It overlaps {whom}, by {depth} mm.", { whom: others > 0 ? those : t("a wall"), depth: digits(1000 * found.depth, 2) });
 });
 
 /** One question at a time; the last place counts. */
@@ -114,7 +115,7 @@ function act(edit: OfPerson) {
     const { edits } = plan.value.made;
     const after = edited(edits, edit);
     if (after.length > MOST.edits) {
-        problem.value = `There are ${MOST.edits} changes by hand already.`;
+        problem.value = t("There are {most} changes by hand already.", { most: MOST.edits });
         pose.value = null;
         return;
     }

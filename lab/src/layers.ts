@@ -4,6 +4,7 @@ import { signal } from "@preact/signals";
 import type { Client } from "./client";
 import { round } from "./colour";
 import type { Film } from "./film";
+import { t } from "./language";
 import { Latest } from "./latest";
 import type { View } from "./view";
 
@@ -25,7 +26,7 @@ function strideOf({ scene }: Film): number {
 /** What trails leave out; empty if nothing. */
 export function trailsNote(film: Film): string {
     const stride = strideOf(film);
-    return stride > 1 ? `There are many people: trails show one frame of ${stride}.` : "";
+    return stride > 1 ? t("There are many people: trails show one frame of {stride}.", { stride }) : "";
 }
 
 /** Lines from where everybody was in the last two seconds. */

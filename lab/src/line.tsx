@@ -4,7 +4,7 @@ import { signal } from "@preact/signals";
 import { Fragment } from "preact";
 import type { Inks } from "./draw";
 import { label } from "./draw";
-import { translated } from "./language";
+import { t } from "./language";
 import { begin as beginMotion } from "./motionstate";
 import { LengthField } from "./parts";
 import { change, type Plan, plan } from "./plan";
@@ -66,7 +66,7 @@ export function paintArea(context: CanvasRenderingContext2D, [from, to]: Line, v
     context.setLineDash([8 * pixel, 5 * pixel]);
     context.strokeRect(from[0], from[1], to[0] - from[0], to[1] - from[1]);
     context.setLineDash([]);
-    label(context, translated("area"), [(from[0] + to[0]) / 2, Math.max(from[1], to[1])], view, inks);
+    label(context, t("area"), [(from[0] + to[0]) / 2, Math.max(from[1], to[1])], view, inks);
 }
 
 export function paintLine(context: CanvasRenderingContext2D, [from, to]: Line, view: View, inks: Inks) {
@@ -86,8 +86,8 @@ export function paintLine(context: CanvasRenderingContext2D, [from, to]: Line, v
 
 /** What is seen, and the whole names. */
 const WORDS: Record<Kind, [string, string, string, string]> = {
-    line: ["Line", "Count over a line", "Draw the line anew", "Remove the line"],
-    area: ["Area", "Measure an area", "Draw the area anew", "Remove the area"],
+    line: [t("Line"), t("Count over a line"), t("Draw the line anew"), t("Remove the line")],
+    area: [t("Area"), t("Measure an area"), t("Draw the area anew"), t("Remove the area")],
 };
 
 export function MeasureButtons() {
@@ -131,10 +131,11 @@ export function MeasureFields({ kind }: { kind: Kind }) {
         lineTool.value = null;
         put(kind, next);
     };
-    const [name, points] = kind === "line" ? ["Line", "from A to B"] : ["Area", "between two corners"];
+    const name = kind === "line" ? t("Line") : t("Area");
+    const draw = kind === "line" ? t("Draw the line on the picture, or write where it is") : t("Draw the area on the picture, or write where it is");
     return (
         <fieldset class="fields four">
-            <legend>{on ? `Draw the ${kind} on the picture, or write where it is` : `${name} ${points}`}</legend>
+            <legend>{on ? draw : kind === "line" ? t("Line from A to B") : t("Area between two corners")}</legend>
             {([0, 1] as const).flatMap((end) =>
                 ([0, 1] as const).map((axis) => {
                     const short = `${"AB"[end]}, ${"xy"[axis]}`;

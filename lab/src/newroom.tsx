@@ -1,6 +1,7 @@
 // A room to begin with.
 
 import { FIRST_CROWD } from "./forms";
+import { t } from "./language";
 import { change } from "./plan";
 import { rectangle } from "./roomshape";
 import { open } from "./scenes";
@@ -13,8 +14,8 @@ export function NewRoom() {
         change({ tab: "room" });
     };
     return (
-        <button type="button" title="10 m × 8 m, with one person: draw the room, then say in the tab Crowd how many are in it" onClick={begin}>
-            New empty room
+        <button type="button" title={t("10 m × 8 m, with one person: draw the room, then say in the tab Crowd how many are in it")} onClick={begin}>
+            {t("New empty room")}
         </button>
     );
 }

@@ -1,6 +1,7 @@
 // When an exit or a door is open, as fields.
 
 import { MOST } from "./forms";
+import { t } from "./language";
 import { NumberField } from "./parts";
 import type { OpenTime } from "./protocol";
 import { film } from "./session";
@@ -25,16 +26,16 @@ export function OpenTimes({ name, times: given, onChange }: OpenTimesProps) {
         <>
             <label class="check">
                 <input type="checkbox" checked={given !== null} onChange={(event) => put(event.currentTarget.checked ? [[0, OPEN]] : [])} />
-                <span class="hidden">{name}, </span>open at times only
+                <span class="hidden">{name}, </span>{t("open at times only")}
             </label>
             {times.map(([from, to], j) => {
-                const opening = `${name}, opening ${j + 1}`;
+                const opening = `${name}, ${t("opening {n}", { n: j + 1 })}`;
                 const turn = (part: OpenTime) => put(times.map((old, i) => (i === j ? part : old)));
                 return (
                     <div class="row" key={j}>
-                        <NumberField label={`${opening}, from`} short="from" unit="s" value={from} min={j > 0 ? times[j - 1]![1] + step : 0} max={to - step} step={5} onChange={(next) => turn([next, to])} />
-                        <NumberField label={`${opening}, to`} short="to" unit="s" value={to} min={from + step} max={j + 1 < times.length ? times[j + 1]![0] - step : LATEST} step={5} onChange={(next) => turn([from, next])} />
-                        <button type="button" aria-label={`Delete ${opening.toLowerCase()}`} onClick={() => put(times.filter((_, i) => i !== j))}>
+                        <NumberField of={opening} label={t("from")} unit="s" value={from} min={j > 0 ? times[j - 1]![1] + step : 0} max={to - step} step={5} onChange={(next) => turn([next, to])} />
+                        <NumberField of={opening} label={t("to")} unit="s" value={to} min={from + step} max={j + 1 < times.length ? times[j + 1]![0] - step : LATEST} step={5} onChange={(next) => turn([from, next])} />
+                        <button type="button" aria-label={t("Delete {name}", { name: opening })} onClick={() => put(times.filter((_, i) => i !== j))}>
                             ×
                         </button>
                     </div>
@@ -43,7 +44,7 @@ export function OpenTimes({ name, times: given, onChange }: OpenTimesProps) {
             {given && times.length < MOST.times && last + 2 * OPEN <= LATEST && (
                 <div class="buttons">
                     <button type="button" onClick={() => put([...times, [last + OPEN, last + 2 * OPEN]])}>
-                        Add a time
+                        {t("Add a time")}
                     </button>
                 </div>
             )}

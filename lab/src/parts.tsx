@@ -2,11 +2,14 @@
 
 import type { ComponentChildren, ComponentProps, Ref } from "preact";
 import { useId, useState } from "preact/hooks";
+import { t } from "./language";
 import { plan } from "./plan";
 
 interface NumberProps {
+    /** What it is a number of, if that is seen elsewhere. */
+    of?: string;
     label: string;
-    /** What is seen, if the whole label is too long for it; a part of the label. */
+    /** What is seen, if the whole label is too long for it. */
     short?: string;
     unit?: string;
     /** What it is. */
@@ -26,21 +29,23 @@ export function Field(props: ComponentProps<"input">) {
 }
 
 /** A number with its unit. What is out of range is not taken; it stays there, with the reason. */
-export function NumberField({ label, short, unit, title, value, min, max, step, onChange }: NumberProps) {
+export function NumberField({ of, label, short, unit, title, value, min, max, step, onChange }: NumberProps) {
     // What was typed, as long as the value is not changed in another way.
     const [typed, setTyped] = useState<{ text: string; instead: number } | null>(null);
     const wrong = typed?.instead === value;
     const id = useId();
+    const range = { name: of ? `${of}, ${label}` : label, min, max: unit ? `${max} ${unit}` : max };
     return (
         <div class="field">
             <label for={id} title={title}>
-                {short && label.slice(0, -short.length) && <span class="hidden">{label.slice(0, -short.length)}</span>}
+                {of && <span class="hidden">{of}, </span>}
                 {short ?? label}
                 {unit && <span class="unit"> [{unit}]</span>}
             </label>
             <Field
                 id={id}
                 type="number"
+                aria-label={short && label}
                 value={wrong ? typed!.text : value}
                 min={min}
                 max={max}
@@ -57,9 +62,7 @@ export function NumberField({ label, short, unit, title, value, min, max, step, 
             />
             {wrong && (
                 <p id={`${id}-why`} class="note" role="alert">
-                    {label}: {step === 1 ? "a whole number, " : ""}
-                    {min} to {max}
-                    {unit && ` ${unit}`}
+                    {step === 1 ? t("{name}: a whole number, {min} to {max}", range) : t("{name}: {min} to {max}", range)}
                 </p>
             )}
         </div>
@@ -142,7 +145,7 @@ export function Meanings({ of }: { of: [string, string][] }) {
     if (of.length === 0) return null;
     return (
         <details>
-            <summary>What these words mean</summary>
+            <summary>{t("What these words mean")}</summary>
             <dl class="note">
                 {of.map(([name, meaning]) => (
                     <>
@@ -217,7 +220,7 @@ export function brief(name: string, most = 24) {
     return name.length > most ? `${name.slice(0, most)}…` : name;
 }
 
-/** A name from outside in a sentence: in quotes, unless it is a number (language.ts). */
+/** A name from outside in a sentence: in quotes, unless it is a number. */
 export function named(name: string) {
     return /^\d+$/.test(name) ? name : `"${brief(name)}"`;
 }
@@ -236,7 +239,7 @@ export function save(called: string, content: BlobPart): string {
 
 /** Puts a text into the clipboard. */
 export async function copy(text: string) {
-    if (!navigator.clipboard) throw new Error(`This browser copies nothing from such a page; this was to be copied: ${text}`);
+    if (!navigator.clipboard) throw new Error(t("This browser copies nothing from such a page; this was to be copied: {text}", { text }));
     await navigator.clipboard.writeText(text);
 }
 

@@ -7,6 +7,7 @@ import "./person.css";
 import type { Client } from "./client";
 import { capital, Distribution } from "./distribution";
 import { add } from "./handtool";
+import { engineText, rich, t } from "./language";
 import { Latest } from "./latest";
 import { Drawing, extents, Gaze, pathOf } from "./outline";
 import { Choice, digits, Facts, length, NumberField } from "./parts";
@@ -34,10 +35,10 @@ const MEDIANS = { breadth: null, depth: null, stature: null, mass: null };
 /** A child of about six years. */
 const CHILD = { breadth: 0.29, depth: 0.16, stature: 1.2, mass: 23 };
 const KINDS = [
-    ["female", "Woman"],
-    ["male", "Man"],
-    ["child", "Child"],
-    ["bicycle", "Bicycle"],
+    ["female", t("Woman")],
+    ["male", t("Man")],
+    ["child", t("Child")],
+    ["bicycle", t("Bicycle")],
 ] as const;
 
 /** What is asked of the lab: one thing after the other. */
@@ -89,9 +90,9 @@ export function PersonTab({ client }: { client: Client }) {
     const kind = isChild(asked) ? "child" : asked.sex;
     return (
         <div class="persons">
-            <form class="panel" aria-label="Measures" onSubmit={(event) => event.preventDefault()}>
+            <form class="panel" aria-label={t("Measures")} onSubmit={(event) => event.preventDefault()}>
                 <Choice
-                    label="Who"
+                    label={t("Who")}
                     value={riding.value ? "bicycle" : kind}
                     choices={KINDS}
                     onChange={(next) => {
@@ -103,8 +104,7 @@ export function PersonTab({ client }: { client: Client }) {
                 {!riding.value && is && <MeasureFields is={is} asked={asked} />}
                 {riding.value && (
                     <p class="note">
-                        A bicycle has the measures of one template. <code>lemons crowd --pedestrians 0.9</code> draws crowds with bicycles, as a light XML file
-                        only: the mechanics takes pedestrians, so this page neither opens nor runs them.
+                        {rich("A bicycle has the measures of one template. {crowd} draws crowds with bicycles, as a light XML file only: the mechanics takes pedestrians, so this page neither opens nor runs them.", { crowd: <code>lemons crowd --pedestrians 0.9</code> })}
                     </p>
                 )}
             </form>
@@ -143,7 +143,7 @@ function MeasureFields({ is, asked }: { is: PersonShown; asked: PersonRequest })
                 return (
                     <NumberField
                         key={`${is.sex} ${measure.name}`}
-                        label={capital(measure.name)}
+                        label={capital(engineText(measure.name))}
                         unit={unit}
                         // Also what the lab refuses stays there.
                         value={clean(asked[KEYS[k]!] ?? measure.value)}
@@ -156,16 +156,16 @@ function MeasureFields({ is, asked }: { is: PersonShown; asked: PersonRequest })
             })}
             {refused.value && (
                 <p role="alert" class="problem">
-                    {refused.value}. The drawings show the last person that is possible.
+                    {refused.value}. {t("The drawings show the last person that is possible.")}
                 </p>
             )}
             <div class="buttons">
                 <button type="button" onClick={() => set(MEDIANS)}>
-                    Medians of the survey
+                    {t("Medians of the survey")}
                 </button>
                 {film.value && !refused.value && (
-                    <button type="button" title="One person more on the stage, where most room is: drag it from there" onClick={putThere}>
-                        Put into the crowd
+                    <button type="button" title={t("One person more on the stage, where most room is: drag it from there")} onClick={putThere}>
+                        {t("Put into the crowd")}
                     </button>
                 )}
             </div>
@@ -190,9 +190,9 @@ function Shape({ is, asked }: { is: PersonShown; asked: PersonRequest }) {
         change({ person: { ...asked, altitude } });
     };
     return (
-        <section class="panel" aria-label="From above">
-            <h2>From above</h2>
-            <Drawing size={size} words={(metres) => length(metres, unit)} label="The five disks, from above; the gaze goes up">
+        <section class="panel" aria-label={t("From above")}>
+            <h2>{t("From above")}</h2>
+            <Drawing size={size} words={(metres) => length(metres, unit)} label={t("The five disks, from above; the gaze goes up")}>
                 {is.disks.map(([x, y, r], k) => (
                     <circle key={k} cx={-y} cy={-x} r={r} class="disk" />
                 ))}
@@ -201,16 +201,16 @@ function Shape({ is, asked }: { is: PersonShown; asked: PersonRequest }) {
             </Drawing>
             <label class="check">
                 <input type="checkbox" checked={at !== null} onChange={(event) => set(event.currentTarget.checked ? Number((0.75 * highest).toFixed(2)) : null)} />
-                Section of the body
+                {t("Section of the body")}
             </label>
             {at !== null && (
                 <label class="field">
                     <span>
-                        {length(at, unit)} above the ground{is.sections?.length === 0 && ": the body ends below"}
+                        {t("{length} above the ground", { length: length(at, unit) })}{is.sections?.length === 0 && t(": the body ends below")}
                     </span>
                     <input
                         type="range"
-                        aria-label="Altitude of the section"
+                        aria-label={t("Altitude of the section")}
                         aria-valuetext={length(at, unit)}
                         min={0}
                         max={Number((1.02 * highest).toFixed(2))}
@@ -223,9 +223,9 @@ function Shape({ is, asked }: { is: PersonShown; asked: PersonRequest }) {
             )}
             <Facts
                 rows={[
-                    ["Area of the disks", area],
-                    ["Moment of inertia", `${digits(is.inertia, 4)} kg m²`],
-                    ["Disks, across", is.disks.map(([, , r]) => length(2 * r, unit).replace(/ c?m$/, "")).join(", ") + ` ${unit}`],
+                    [t("Area of the disks"), area],
+                    [t("Moment of inertia"), `${digits(is.inertia, 4)} kg m²`],
+                    [t("Disks, across"), is.disks.map(([, , r]) => length(2 * r, unit).replace(/ c?m$/, "")).join(", ") + ` ${unit}`],
                 ]}
             />
         </section>
@@ -243,37 +243,37 @@ function Body3d({ stature, altitude }: { stature: number; altitude: number | nul
                 turning.value = found;
             })
             .catch((error: Error) => {
-                missing.value = `3D could not be loaded: ${error.message}`;
+                missing.value = t("3D could not be loaded: {message}", { message: error.message });
             });
     }, []);
     const Turning = turning.value;
     return (
-        <section class="panel" aria-label="The body">
-            <h2>The body</h2>
+        <section class="panel" aria-label={t("The body")}>
+            <h2>{t("The body")}</h2>
             {missing.value ? (
                 <p role="alert">{missing.value}</p>
             ) : Turning ? (
                 <Turning body={body.value} stature={stature} altitude={altitude} />
             ) : (
-                <p role="status">3D is loaded …</p>
+                <p role="status">{t("3D is loaded …")}</p>
             )}
         </section>
     );
 }
 
 function Survey({ is }: { is: PersonShown }) {
-    const people = is.sex === "male" ? "men" : "women";
     return (
-        <section class="panel survey" aria-label="In the survey">
+        <section class="panel survey" aria-label={t("In the survey")}>
             <div>
-                <h2>In the survey</h2>
+                <h2>{t("In the survey")}</h2>
                 <p>
-                    ANSUR II: {is.surveyed} {people} of the US Army, measured in 2012. The line is this {isChild(plan.value.person) ? "child" : is.sex === "male" ? "man" : "woman"}.
+                    {is.sex === "male" ? t("ANSUR II: {n} men of the US Army, measured in 2012.", { n: is.surveyed }) : t("ANSUR II: {n} women of the US Army, measured in 2012.", { n: is.surveyed })}{" "}
+                    {isChild(plan.value.person) ? t("The line is this child.") : is.sex === "male" ? t("The line is this man.") : t("The line is this woman.")}
                 </p>
             </div>
             {is.measures.map((measure) => {
                 const [by, unit] = shownIn(measure);
-                return <Distribution key={measure.name} measure={measure} by={by} unit={unit} people={people} />;
+                return <Distribution key={measure.name} measure={measure} by={by} unit={unit} sex={is.sex} />;
             })}
         </section>
     );
@@ -283,9 +283,9 @@ function BicycleDrawing({ is }: { is: BicycleShown }) {
     const { unit } = plan.value;
     const size = extents(is.rectangles.flat().map(([x, y]) => [x, y, 0]));
     return (
-        <section class="panel" aria-label="From above">
-            <h2>From above</h2>
-            <Drawing size={size} words={(metres) => length(metres, unit)} label="The two rectangles of a bicycle, from above; it goes up">
+        <section class="panel" aria-label={t("From above")}>
+            <h2>{t("From above")}</h2>
+            <Drawing size={size} words={(metres) => length(metres, unit)} label={t("The two rectangles of a bicycle, from above; it goes up")}>
                 {is.rectangles.map((rectangle, k) => (
                     <path key={k} d={pathOf([rectangle])} class="disk" />
                 ))}
@@ -294,7 +294,7 @@ function BicycleDrawing({ is }: { is: BicycleShown }) {
             <Facts
                 rows={is.measures.map(({ name, unit: own, value }) => {
                     const words = own === "m" ? length(value, unit) : `${digits(value, 3)} ${own}`;
-                    return [capital(name), words];
+                    return [capital(engineText(name)), words];
                 })}
             />
         </section>

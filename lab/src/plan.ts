@@ -4,7 +4,9 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import { flag, list, nullable, number, one, patched, record, text, tuple, Unfit, within } from "./check";
 import { EXAMPLES } from "./examples";
 import { backdrop, type Backdrop, base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, mechanics, MOST, motion, person, point } from "./forms";
+import { t } from "./language";
 import type { Edit, Mechanics, Motion, PersonRequest, Point } from "./protocol";
+import { storage } from "./storage";
 
 /** What is on the stage. */
 export interface Made {
@@ -159,12 +161,12 @@ const PAST = 3e5;
 
 /** What of a plan is named when it did not fit. */
 const PARTS: Partial<Record<keyof Plan, string>> = {
-    made: "the scene",
-    crowd: "the forms of the room and the crowd",
-    person: "the person",
-    line: "the line",
-    area: "the area",
-    backdrop: "the picture under the room",
+    made: t("the scene"),
+    crowd: t("the forms of the room and the crowd"),
+    person: t("the person"),
+    line: t("the line"),
+    area: t("the area"),
+    backdrop: t("the picture under the room"),
 };
 
 export interface Read {
@@ -182,12 +184,12 @@ export function read(from: string | null, whose: string): Read {
         if (from.length > LONGEST) throw new Unfit();
         const left = new Set<string>();
         const given: unknown = JSON.parse(from);
-        const plan = whole(given, (key) => left.add(PARTS[key] ?? "settings"));
-        const words = left.size > 0 ? `Not all of ${whose} fits this version of the page. Left out: ${[...left].join(", ")}.` : "";
+        const plan = whole(given, (key) => left.add(PARTS[key] ?? t("settings")));
+        const words = left.size > 0 ? t("Not all of {whose} fits this version of the page. Left out: {parts}.", { whose, parts: [...left].join(", ") }) : "";
         const { name, changed, past, future } = patched<Omit<Kept, "plan">>({ name: text(NAME), changed: number, past: steps, future: steps }, { name: "", changed: 0, past: [], future: [] })(given, () => {});
         return { kept: { name, changed, plan, past, future }, left: words };
     } catch {
-        return { kept: null, left: `${capital(whose)} cannot be read: it is not whole, or it is none of this page.` };
+        return { kept: null, left: t("{whose} cannot be read: it is not whole, or it is none of this page.", { whose: capital(whose) }) };
     }
 }
 
@@ -213,7 +215,7 @@ function linked(): Read {
     } catch {
         // Then it is no plan, either.
     }
-    const found = read(text, "the link");
+    const found = read(text, t("the link"));
     // A link brings its scene. What belongs to the page is as this visitor has it.
     return found.kept ? { ...found, kept: { ...found.kept, name: found.kept.name || "From a link", past: [], future: [] } } : found;
 }
@@ -226,19 +228,6 @@ const PAGE = "lemons-lab page";
 export const FORMER = "lemons-lab plan 2";
 /** Before the Id of a scene. */
 export const SCENE = "lemons-lab scene ";
-
-/** Whether another page shows the stage alone (`?embed`). Then nothing of the visitor's is read or written. */
-export const embedded = new URLSearchParams(location.search).has("embed");
-
-/** The browser's storage; none where it is forbidden. */
-export function storage(kind: "localStorage" | "sessionStorage"): Storage | null {
-    if (embedded) return null;
-    try {
-        return window[kind];
-    } catch {
-        return null;
-    }
-}
 
 /** The forms that say it, if it is made by forms. */
 export function crowdOf(base: KeptBase): KeptCrowd | null {
@@ -261,14 +250,14 @@ export function keptScenes(): { id: string; kept: Kept }[] {
 
 /** What this tab had, what was changed last in this browser, or what an earlier version kept. */
 function found(): { id: string | null; read: Read; former: boolean } {
-    const tab = read(storage("sessionStorage")?.getItem(TAB) ?? null, "what this tab had");
+    const tab = read(storage("sessionStorage")?.getItem(TAB) ?? null, t("what this tab had"));
     if (tab.kept) {
         const id = (JSON.parse(storage("sessionStorage")!.getItem(TAB)!) as { id?: unknown }).id;
         return { id: typeof id === "string" ? id : null, read: tab, former: false };
     }
     const [last] = keptScenes();
     if (last) return { id: last.id, read: { kept: last.kept, left: tab.left }, former: false };
-    const former = read(storage("localStorage")?.getItem(FORMER) ?? null, "what this browser kept");
+    const former = read(storage("localStorage")?.getItem(FORMER) ?? null, t("what this browser kept"));
     return { id: null, read: { kept: former.kept && { ...former.kept, name: "Of an earlier visit" }, left: former.left || tab.left }, former: former.kept !== null };
 }
 
@@ -391,7 +380,7 @@ export function link(query = "") {
 }
 
 /** What is said of a link where the page is on the visitor's own machine. */
-export const onlyHere = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname) ? "It works on this machine only: for others, put the page on a web host (docs/lab.md says how)." : "";
+export const onlyHere = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname) ? t("It works on this machine only: for others, put the page on a web host (docs/lab.md says how).") : "";
 
 /** Takes a link that was put into the open page. Returns what of it does not fit. */
 export function follow(): string {

@@ -3,6 +3,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import { type Inks, label } from "./draw";
 import { drawn, edited } from "./drawn";
+import { t } from "./language";
 import { length } from "./parts";
 import { MOST, roomFits } from "./forms";
 import { change, plan } from "./plan";
@@ -69,10 +70,10 @@ const ofTrial = computed((): Room | null => {
 /** Why the walls of the Trial cannot be changed; empty if they can. */
 export const fixed = computed(() => {
     const walls = ofTrial.value;
-    if (!walls) return "One moment …";
+    if (!walls) return t("One moment …");
     const corners = rings(walls).flat().length;
     if (corners <= MOST.all && roomFits(walls)) return "";
-    return `These walls can be seen, but not be changed here: there are ${rings(walls).length - 1} with ${corners} corners. This page changes up to ${MOST.walls} walls with up to ${MOST.all} corners.`;
+    return t("These walls can be seen, but not be changed here: there are {n} with {corners} corners. This page changes up to {walls} walls with up to {all} corners.", { n: rings(walls).length - 1, corners, walls: MOST.walls, all: MOST.all });
 });
 
 /** Whether the walls of the Trial on the stage were changed. */
@@ -120,7 +121,7 @@ function finish() {
     if (kind === "outline") return change({ crowd: { ...crowd, room: { outline: corners, obstacles: [], doors: [] }, region: null }, drawn: null });
     if (kind === "region") return change({ crowd: { ...crowd, region: corners } });
     if (rings(now).length > MOST.walls) {
-        problem.value = `There are ${MOST.walls} walls already.`;
+        problem.value = t("There are {walls} walls already.", { walls: MOST.walls });
         return;
     }
     const open = kind === "wall" && !closes(corners);

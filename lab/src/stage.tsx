@@ -8,6 +8,7 @@ import { Canvas } from "./canvas";
 import { Charts } from "./charts";
 import type { Film } from "./film";
 import { Hints } from "./hints";
+import { t } from "./language";
 import { Chains, paintTrails, trailsNote } from "./layers";
 import { beat, empty, type Layers, presents, show } from "./layout";
 import { Beside, difference, kept, Now } from "./kept";
@@ -17,9 +18,10 @@ import { MapLegend } from "./map";
 import { MeasureButtons } from "./line";
 import { Menu } from "./menu";
 import { Check, Choice, digits, LengthField, length } from "./parts";
-import { change, embedded, type Plan, plan } from "./plan";
+import { change, type Plan, plan } from "./plan";
 import { client, selected } from "./session";
 import { Sections } from "./sections";
+import { embedded } from "./storage";
 import type { Stage3dProps } from "./three";
 import { Tools } from "./tools";
 import { Transport } from "./transport";
@@ -55,7 +57,7 @@ export function Stage({ film }: { film: Film }) {
     }, [places]);
     const alone = embedded || presents.value;
     return (
-        <section class="stage" aria-label="Stage">
+        <section class="stage" aria-label={t("Stage")}>
             {!alone && <LayerControls />}
             {view === "section" && <Altitude film={film} sections={sections} />}
             <div class={kept.value && view !== "3d" ? "frame two" : "frame"}>
@@ -77,7 +79,7 @@ export function Stage({ film }: { film: Film }) {
                 </div>
             </div>
             <p id="canvas-keys" class="hidden">
-                Arrow keys, N and P select people; plus and minus zoom, 0 shows all; the space bar plays; Shift+F10 opens the menu of who is selected.
+                {t("Arrow keys, N and P select people; plus and minus zoom, 0 shows all; the space bar plays; Shift+F10 opens the menu of who is selected.")}
             </p>
             <Legend film={film} />
             {places && kind && <MapLegend film={film} places={places} kind={kind} />}
@@ -118,7 +120,7 @@ function Picture({ film, chains, sections }: PictureProps) {
 
 function Widest({ chains }: { chains: Chains }) {
     if (!plan.value.forces || chains.largest === 0) return null;
-    return <p class="note">Lines between people: the wider, the more they press. The widest is {digits(chains.largest, 2)} N.</p>;
+    return <p class="note">{t("Lines between people: the wider, the more they press. The widest is {largest} N.", { largest: digits(chains.largest, 2) })}</p>;
 }
 
 function Altitude({ film, sections }: { film: Film; sections: Sections }) {
@@ -130,15 +132,15 @@ function Altitude({ film, sections }: { film: Film; sections: Sections }) {
         <>
             <div class="controls">
                 <label class="scrub">
-                    <span>Altitude of the section: {length(altitude, unit)} above the ground</span>
+                    <span>{t("Altitude of the section: {length} above the ground", { length: length(altitude, unit) })}</span>
                     <input type="range" min={0} max={2.2} step={0.01} value={altitude} onInput={(event) => set(event.currentTarget.valueAsNumber)} />
                 </label>
-                <LengthField label="Altitude" value={altitude} min={0} max={2.5} onChange={set} />
+                <LengthField label={t("Altitude")} value={altitude} min={0} max={2.5} onChange={set} />
             </div>
             {facts && (
                 <p class="note">
-                    The plane cuts {facts.cut} of {film.scene.agents.length} bodies; the sections have an area of {digits(facts.area, 3)} m².
-                    {facts.estimated && " Sex and measures are not known: these are bodies that fit the disks, height and mass."}
+                    {t("The plane cuts {cut} of {n} bodies; the sections have an area of {area} m².", { cut: facts.cut, n: film.scene.agents.length, area: digits(facts.area, 3) })}{" "}
+                    {facts.estimated && t("Sex and measures are not known: these are bodies that fit the disks, height and mass.")}
                 </p>
             )}
             {sections.refused.value && <p role="alert">{sections.refused.value}</p>}
@@ -158,7 +160,7 @@ function InSpace({ film }: { film: Film }) {
                 stage3d.value = found;
             })
             .catch((error: Error) => {
-                missing.value = `3D could not be loaded: ${error.message}`;
+                missing.value = t("3D could not be loaded: {message}", { message: error.message });
             });
     }, []);
     const Found = stage3d.value;
@@ -167,12 +169,12 @@ function InSpace({ film }: { film: Film }) {
             <p role="alert">
                 {missing.value}{" "}
                 <button type="button" onClick={() => location.reload()}>
-                    Load the page again
+                    {t("Load the page again")}
                 </button>
             </p>
         );
     }
-    if (!Found) return <p role="status">3D is loaded …</p>;
+    if (!Found) return <p role="status">{t("3D is loaded …")}</p>;
     return (
         <Found
             film={film}
@@ -187,22 +189,22 @@ function InSpace({ film }: { film: Film }) {
 }
 
 const VIEWS: [Plan["view"], string][] = [
-    ["2d", "From above"],
+    ["2d", t("From above")],
     ["3d", "3D"],
-    ["section", "Sections"],
+    ["section", t("Sections")],
 ];
 
 function Zoom() {
     return (
-        <div class="zoom" role="group" aria-label="Zoom">
-            <button type="button" aria-label="Zoom out" onClick={() => zoom(0.8)}>
+        <div class="zoom" role="group" aria-label={t("Zoom")}>
+            <button type="button" aria-label={t("Zoom out")} onClick={() => zoom(0.8)}>
                 −
             </button>
-            <button type="button" aria-label="Zoom in" onClick={() => zoom(1.25)}>
+            <button type="button" aria-label={t("Zoom in")} onClick={() => zoom(1.25)}>
                 +
             </button>
             <button type="button" onClick={fit}>
-                Fit
+                {t("Fit")}
             </button>
         </div>
     );
@@ -212,12 +214,12 @@ function LayerControls() {
     const { view, forces, trails } = plan.value;
     return (
         <div class="controls bar">
-            <Choice label="View" value={view} choices={VIEWS} onChange={(next) => change({ view: next })} />
+            <Choice label={t("View")} value={view} choices={VIEWS} onChange={(next) => change({ view: next })} />
             {view !== "3d" && (
                 <>
                     <Tools />
-                    <Check label="Forces" value={forces} onChange={(on) => change({ forces: on })} />
-                    <Check label="Trails" value={trails} onChange={(on) => change({ trails: on })} />
+                    <Check label={t("Forces")} value={forces} onChange={(on) => change({ forces: on })} />
+                    <Check label={t("Trails")} value={trails} onChange={(on) => change({ trails: on })} />
                     <MeasureButtons />
                 </>
             )}

@@ -2,6 +2,7 @@
 
 import { signal } from "@preact/signals";
 import type { Film } from "./film";
+import { count, t } from "./language";
 import { brief } from "./parts";
 import { COLUMNS, GOES, isThere } from "./protocol";
 
@@ -55,13 +56,13 @@ export function Stuck({ film, k }: { film: Film; k: number }) {
     const ids = found.slice(0, MOST).map((a) => brief(film.scene.agents[a]!.id));
     return (
         <div class="warning">
-            <p>{`${found.length} ${found.length === 1 ? "person wants" : "people want"} to get on, but moved by less than ${100 * FAR} cm in the last ${LONG} s.`}</p>
-            <p translate={false}>
+            <p>{`${count(found.length, "{n} person wants to get on", "{n} people want to get on")}${t(", but moved by less than {far} cm in the last {long} s.", { far: 100 * FAR, long: LONG })}`}</p>
+            <p>
                 {ids.join(", ")}
                 {found.length > MOST && " …"}
             </p>
             <button type="button" aria-pressed={marked.value} onClick={() => (marked.value = !marked.value)}>
-                Mark them on the picture
+                {t("Mark them on the picture")}
             </button>
         </div>
     );

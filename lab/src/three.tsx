@@ -6,6 +6,7 @@ import type { Client } from "./client";
 import { scaleOf, values } from "./colour";
 import { Crowd3d } from "./crowd3d";
 import type { Film } from "./film";
+import { t } from "./language";
 import { SpaceCanvas } from "./parts";
 import { plan } from "./plan";
 import type { Bodies } from "./protocol";
@@ -24,10 +25,8 @@ export interface Stage3dProps {
 }
 
 const HOW = matchMedia("(pointer: coarse)").matches
-    ? "Drag to turn; with two fingers, move and zoom."
-    : "Drag to turn, with the right button to move, wheel to zoom; click to select.";
-
-const KEYS = "Arrow keys turn the picture, with Shift they move it; plus and minus zoom, 0 shows all.";
+    ? t("Drag to turn; with two fingers, move and zoom.")
+    : t("Drag to turn, with the right button to move, wheel to zoom; click to select.");
 
 /** Pixels that a click may move. */
 const STILL = 4;
@@ -41,7 +40,7 @@ function One({ film, client, selected, altitude = null, onCanvas, onSelect }: St
     const canvas = useRef<HTMLCanvasElement>(null);
     const [crowd] = useState(() => signal<Crowd3d | null>(null));
     const [chosen] = useState(() => signal(selected));
-    const [words, setWords] = useState("Bodies are made …");
+    const [words, setWords] = useState(t("Bodies are made …"));
     const [missing, setMissing] = useState("");
     const [grid, setGrid] = useState(1);
     useEffect(() => {
@@ -53,7 +52,7 @@ function One({ film, client, selected, altitude = null, onCanvas, onSelect }: St
         try {
             space = new Space(on);
         } catch (error) {
-            return setMissing(error instanceof NoWebGL ? error.message : `3D cannot be shown: ${(error as Error).message}`);
+            return setMissing(error instanceof NoWebGL ? error.message : t("3D cannot be shown: {message}", { message: (error as Error).message }));
         }
         const made = new Crowd3d(space, film.scene, film.frame(0));
         space.onTheme = () => made.recolour();
@@ -67,9 +66,9 @@ function One({ film, client, selected, altitude = null, onCanvas, onSelect }: St
                 if (gone) return;
                 made.dress(value, bytes);
                 crowd.value = made;
-                setWords(value.estimated ? "Sex and measures are not known: bodies that fit the disks, height and mass." : "");
+                setWords(value.estimated ? t("Sex and measures are not known: bodies that fit the disks, height and mass.") : "");
             })
-            .catch((error: Error) => !gone && setWords(`No bodies: ${error.message}`));
+            .catch((error: Error) => !gone && setWords(t("No bodies: {message}", { message: error.message })));
         return () => {
             gone = true;
             crowd.value = null;
@@ -89,7 +88,7 @@ function One({ film, client, selected, altitude = null, onCanvas, onSelect }: St
         <SpaceCanvas
             canvas={canvas}
             missing={missing}
-            label={`${film.scene.agents.length} people in three dimensions. ${KEYS}`}
+            label={t("{n} people in three dimensions. Arrow keys turn the picture, with Shift they move it; plus and minus zoom, 0 shows all.", { n: film.scene.agents.length })}
             onPointerDown={(event) => {
                 pressed.current = [event.offsetX, event.offsetY];
             }}
@@ -99,7 +98,7 @@ function One({ film, client, selected, altitude = null, onCanvas, onSelect }: St
             }}
         >
             <p class="note">
-                Lines on the ground: {grid} m apart. {HOW} <span role="status">{words}</span>
+                {t("Lines on the ground: {grid} m apart.", { grid })} {HOW} <span role="status">{words}</span>
             </p>
         </SpaceCanvas>
     );
