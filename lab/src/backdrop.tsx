@@ -2,13 +2,13 @@
 
 import { computed, effect, signal, untracked } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { type Inks, label } from "./draw";
+import { type Inks, label, strokes, through } from "./draw";
 import { ready, shape } from "./drawn";
 import type { Backdrop } from "./forms";
 import { MOST } from "./forms";
 import { t } from "./language";
 import { begin as beginMotion } from "./motionstate";
-import { LengthField, length } from "./parts";
+import { Button, length, LengthField } from "./parts";
 import { change, keysInUse, opened, plan } from "./plan";
 import type { Point } from "./protocol";
 import { distance, rings } from "./roomshape";
@@ -155,12 +155,8 @@ const measure: Tool = {
 
 function paintMeasure(context: CanvasRenderingContext2D, from: Point, to: Point, view: View, inks: Inks) {
     inMetres(context, view);
-    context.lineWidth = (3 * devicePixelRatio) / view.scale;
-    context.strokeStyle = inks.mark;
-    context.beginPath();
-    context.moveTo(...from);
-    context.lineTo(...to);
-    context.stroke();
+    through(context, [from, to]);
+    strokes(context, [[inks.mark, (3 * devicePixelRatio) / view.scale]]);
     label(context, length(distance(from, to), plan.value.unit), [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2], view, inks);
 }
 
@@ -246,15 +242,9 @@ export function BackdropForms() {
                 </>
             )}
             <div class="buttons">
-                <button type="button" aria-pressed={measuring} onClick={() => begin(measure)}>
-                    {t("Set the scale by a known length")}
-                </button>
-                <button type="button" aria-pressed={lineTool.value === move} onClick={() => begin(move)}>
-                    {t("Move it with the mouse")}
-                </button>
-                <button type="button" onClick={() => (end(), change({ backdrop: null }))}>
-                    {t("Remove the picture")}
-                </button>
+                <Button words={t("Set the scale by a known length")} aria-pressed={measuring} onClick={() => begin(measure)} />
+                <Button words={t("Move it with the mouse")} aria-pressed={lineTool.value === move} onClick={() => begin(move)} />
+                <Button words={t("Remove the picture")} onClick={() => (end(), change({ backdrop: null }))} />
             </div>
             {measuring && !to && <p class="note" role="status">{from ? t("Click the other end of the line.") : t("Click one end of a line whose length you know.")}</p>}
             {measuring && from && to && <LengthField label={t("Real length of the line")} value={distance(from, to)} min={0.01} max={10000} onChange={(known) => setLength(now, known)} />}

@@ -2,6 +2,7 @@
 
 import type { Slow } from "./client";
 import { t } from "./language";
+import { Button } from "./parts";
 import type { Progress, Request } from "./protocol";
 import { client, stop } from "./session";
 
@@ -54,9 +55,7 @@ export function Busy() {
                 <>
                     {slow.progress && slow.progress.limit > 0 && <progress aria-label={t("Progress")} max={slow.progress.limit} value={slow.progress.iteration} />}
                     <span>{slow.progress && details(slow.progress)}</span>
-                    <button type="button" onClick={stop}>
-                        {t("Stop")}
-                    </button>
+                    <Button words={t("Stop")} onClick={stop} />
                 </>
             )}
         </div>

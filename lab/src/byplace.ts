@@ -4,7 +4,7 @@ import { computed, signal } from "@preact/signals";
 import type { Client } from "./client";
 import { averaged, meanWords, round, type Scale, shade, FROM_GREY, VIRIDIS } from "./colour";
 import { table } from "./csv";
-import { type Inks, label } from "./draw";
+import { circle, type Inks, label, strokes } from "./draw";
 import type { Film } from "./film";
 import { count, type Plain, t } from "./language";
 import { digits } from "./parts";
@@ -242,13 +242,8 @@ export class ByPlace {
         const [x, y] = toPixels(view, at);
         const size = 7 * devicePixelRatio;
         context.setTransform(1, 0, 0, 1, 0, 0);
-        context.beginPath();
-        context.arc(x, y, size, 0, 2 * Math.PI);
-        for (const [colour, width] of [[inks.paper, 4], [inks.ink, 2]] as const) {
-            context.strokeStyle = colour;
-            context.lineWidth = width * devicePixelRatio;
-            context.stroke();
-        }
+        circle(context, [x, y], size);
+        strokes(context, [[inks.paper, 4 * devicePixelRatio], [inks.ink, 2 * devicePixelRatio]]);
         const side = y < 4 * size ? 1 : -1;
         label(context, `${digits(largest, 3)} ${unit}`, toMetres(view, x, y + side * 2.4 * size), view, inks);
     }

@@ -3,7 +3,7 @@
 import { ready } from "./drawn";
 import { Hand } from "./hand";
 import { engineText, t } from "./language";
-import { Check, Choice, digits, Head, NumberField } from "./parts";
+import { Button, Check, Choice, digits, Head, NumberField } from "./parts";
 import { frictionOf, type KeptCrowd } from "./forms";
 import { isPlaced, place } from "./live";
 import { KindName, MixForm } from "./mix";
@@ -62,9 +62,7 @@ export function CrowdTab() {
                 <NumberField label={t("Men")} unit="%" value={Number((100 * crowd.men).toFixed(2))} min={0} max={100} step={5} onChange={(men) => set({ men: men / 100 })} />
                 <div class="row">
                     <NumberField label={t("Seed")} value={crowd.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => set({ seed })} />
-                    <button type="button" class="words" onClick={() => set({ seed: Math.floor(Math.random() * 1e6) })}>
-                        {t("Another seed")}
-                    </button>
+                    <Button words={t("Another seed")} class="words" onClick={() => set({ seed: Math.floor(Math.random() * 1e6) })} />
                 </div>
                 <Check
                     label={t("All face one way")}
@@ -102,9 +100,7 @@ function Placed({ made: { density, area, largest_overlap, statistics } }: { made
     return (
         <section class="panel" aria-label={t("As it was placed")}>
             <h2>{t("As it was placed")}</h2>
-            <p>
-                {t("{density} people per m², on {area} m². Deepest overlap: {overlap} mm.", { density: density.toFixed(2), area: area.toFixed(2), overlap: digits(1000 * largest_overlap, 2) })}
-            </p>
+            <p>{t("{density} people per m², on {area} m². Deepest overlap: {overlap} mm.", { density: density.toFixed(2), area: area.toFixed(2), overlap: digits(1000 * largest_overlap, 2) })}</p>
             <div class="wide" tabIndex={0} role="region" aria-label={t("Statistics")}>
                 <table class="statistics">
                     <Head of={[t("Measure"), t("Mean"), t("SD"), t("Least"), t("Most")]} />

@@ -84,9 +84,7 @@ export function Distribution({ measure, by, unit, sex }: DistributionProps) {
                     const height = (HEIGHT * share) / most;
                     return (
                         <rect key={from} x={x(from) + 0.5} width={Math.max(0.5, x(to) - x(from) - 1)} y={HEIGHT - height} height={height} class="bar">
-                            <title>
-                                {t("{from} to {to} {unit}: {share}", { from: words(from), to: words(to), unit, share: percent(share) })}
-                            </title>
+                            <title>{t("{from} to {to} {unit}: {share}", { from: words(from), to: words(to), unit, share: percent(share) })}</title>
                         </rect>
                     );
                 })}

@@ -6,7 +6,7 @@ import { Refused } from "./client";
 import { isVector, setPicture } from "./backdrop";
 import { crowdFits, MOST, roomFits } from "./forms";
 import { t } from "./language";
-import { Check, Choice, NumberField } from "./parts";
+import { Button, Check, Choice, NumberField } from "./parts";
 import { FIRST_WISHES, shaped } from "./places";
 import { arrived, change, plan } from "./plan";
 import type { DrawingRequest, Door, Motion, Proposed, Understood } from "./protocol";
@@ -131,9 +131,7 @@ export function DrawingPanel() {
                 Plan "{name}"
             </legend>
             {refused && (
-                <p role="alert">
-                    {refused}
-                </p>
+                <p role="alert">{refused}</p>
             )}
             {found?.room && (!found.doubt || asDrawn.value) && <Sketch base={{ kind: "crowd", ...plan.value.crowd, room: found.room, region: (region.value && found.distributions[0]) || null }} exits={exits.value ? found.exits.map(({ corners }) => corners) : []} />}
             {found && (
@@ -142,9 +140,7 @@ export function DrawingPanel() {
                         {found.said.map(([what, how], k) => (
                             // Several things can be left out.
                             <tr key={k} class={what === "warning" ? "warned" : undefined}>
-                                <th scope="row">
-                                    {what}
-                                </th>
+                                <th scope="row">{what}</th>
                                 <td>{how}</td>
                             </tr>
                         ))}
@@ -167,18 +163,12 @@ export function DrawingPanel() {
             {found && found.waypoints > 0 && <p class="note">{t("Way-points of a plan are not used here.")}</p>}
             <div class="buttons">
                 {found?.room && (
-                    <button type="button" class="main" disabled={asking || (found.doubt !== null && !asDrawn.value)} onClick={() => void attempt(async () => make(now))}>
-                        {t("Make this room")}
-                    </button>
+                    <Button words={t("Make this room")} class="main" disabled={asking || (found.doubt !== null && !asDrawn.value)} onClick={() => void attempt(async () => make(now))} />
                 )}
                 {isVector(name) && (
-                    <button type="button" onClick={() => void attempt(() => setPicture(given.file).then(close))}>
-                        {t("Lay it under the room as a picture")}
-                    </button>
+                    <Button words={t("Lay it under the room as a picture")} onClick={() => void attempt(() => setPicture(given.file).then(close))} />
                 )}
-                <button type="button" onClick={close}>
-                    {t("Leave it")}
-                </button>
+                <Button words={t("Leave it")} onClick={close} />
             </div>
         </fieldset>
     );
@@ -218,9 +208,7 @@ function Proposals({ wanted, found, proposal, again }: ProposalsProps) {
         <fieldset class="fields">
             <legend>{t("Proposals")}</legend>
             {found.doubt && (
-                <p role="alert">
-                    {found.doubt}
-                </p>
+                <p role="alert">{found.doubt}</p>
             )}
             {!taken && outline && <Sketch base={{ kind: "crowd", ...plan.value.crowd, room: { outline, obstacles, doors }, region: null }} />}
             {!taken && <p class="note">{t("The plan is in doubt: choose what its layers and gaps are.")}</p>}
@@ -263,16 +251,12 @@ function Proposals({ wanted, found, proposal, again }: ProposalsProps) {
             {proposal.questions.length > 0 && (
                 <ul class="note" aria-label={t("Questions")}>
                     {proposal.questions.map((question) => (
-                        <li key={question}>
-                            {question}
-                        </li>
+                        <li key={question}>{question}</li>
                     ))}
                 </ul>
             )}
             <div class="buttons">
-                <button type="button" class={taken ? undefined : "main"} disabled={layers("walls").length === 0} onClick={() => take()}>
-                    {t("Take what is chosen")}
-                </button>
+                <Button words={t("Take what is chosen")} class={taken ? undefined : "main"} disabled={layers("walls").length === 0} onClick={() => take()} />
                 <button
                     type="button"
                     onClick={() => {

@@ -2,17 +2,15 @@
 
 import type { ComponentChildren } from "preact";
 import { middleOf } from "./drawplaces";
-import { t } from "./language";
+import { inner, t } from "./language";
 import { begin, mode as now, type Mode, picked } from "./motionstate";
 import { MOST } from "./forms";
 import { OpenTimes } from "./opentimes";
 import { remove, setWishes } from "./exittool";
-import { Check, Choice, Field, LengthField, named, NumberField } from "./parts";
+import { Button, Check, Choice, Field, named, NumberField, PointRow } from "./parts";
 import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, ROTATIONAL, shaped } from "./places";
 import type { BalanceName, Place, Point, Rotational, WalkingModelName, Wishes } from "./protocol";
 import { film, selected } from "./session";
-
-const FAR = 1000;
 
 const NAMES: [WalkingModelName, string][] = [
     ["rotational", "Rotational"],
@@ -147,9 +145,7 @@ function Draw({ wishes, middle }: { wishes: Wishes; middle: Point }) {
     return (
         <>
             <Ways kind="exit" wishes={wishes} middle={middle}>
-                <button type="button" disabled={missing.length === 0} onClick={() => setWishes(missing.reduce((all, line) => added(all, "exit", line, "door"), wishes))}>
-                    {t("Put an exit beyond each door")}
-                </button>
+                <Button words={t("Put an exit beyond each door")} disabled={missing.length === 0} onClick={() => setWishes(missing.reduce((all, line) => added(all, "exit", line, "door"), wishes))} />
             </Ways>
             <Ways kind="goal" wishes={wishes} middle={middle} />
             {doors.length === 0 && <p class="note">{t("The room on the picture has no doors of the tab Room.")}</p>}
@@ -210,30 +206,16 @@ function Fields({ wishes, place, k }: { wishes: Wishes; place: Place; k: number 
             </label>
             {place.share !== null && <NumberField of={title} label={t("share")} value={place.share} min={0} max={1e6} step={0.5} onChange={(share) => set({ ...place, share })} />}
             {kind === "exit" && <OpenTimes name={title} times={place.open} onChange={(open) => set({ ...place, open })} />}
-            {corners.map(([x, y], j) => {
+            {corners.map((corner, j) => {
                 const name = `${title}, ${corners.length === 2 ? t("end {n}", { n: j + 1 }) : t("corner {n}", { n: j + 1 })}`;
-                return (
-                    <div class="row" key={j}>
-                        <span class="which">{j + 1}</span>
-                        <LengthField of={name} label="x" value={x} min={-FAR} max={FAR} onChange={(to) => move(j, [to, y])} />
-                        <LengthField of={name} label="y" value={y} min={-FAR} max={FAR} onChange={(to) => move(j, [x, to])} />
-                        {corners.length > 3 && (
-                            <button type="button" aria-label={t("Delete {name}", { name })} onClick={() => set(shaped(place, corners.filter((_, i) => i !== j)))}>
-                                ×
-                            </button>
-                        )}
-                    </div>
-                );
+                const lose = () => set(shaped(place, corners.filter((_, i) => i !== j)));
+                return <PointRow key={j} k={j} name={name} at={corner} onChange={(to) => move(j, to)} onDelete={corners.length > 3 ? lose : undefined} />;
             })}
             <div class="buttons">
                 {corners.length > 2 && corners.length < MOST.corners && (
-                    <button type="button" onClick={() => set(shaped(place, [...corners, middleOf([corners[0]!, corners.at(-1)!])]))}>
-                        {t("Add a corner")}
-                    </button>
+                    <Button words={t("Add a corner")} onClick={() => set(shaped(place, [...corners, middleOf([corners[0]!, corners.at(-1)!])]))} />
                 )}
-                <button type="button" onClick={() => remove(k)}>
-                    {t("Delete {name}", { name: title })}
-                </button>
+                <Button words={t("Delete {name}", { name: inner(title) })} onClick={() => remove(k)} />
             </div>
         </fieldset>
     );

@@ -1,6 +1,6 @@
 // What the user may have made has these forms, also when it comes from a link or the browser's storage.
 
-import { type Check, dictionary, fits, flag, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
+import { type Check, dictionary, fits, flag, list, nullable, number, one, optional, record, tagged, text, tuple, within } from "./check";
 import type { BalanceName, Base, Door, Edit, Four, Further, Material, Material2d, Mechanics, Motion, Normal, OpenTime, People, PersonRequest, Place, Point, Push, Room, Rotational, Scenario, Sex, WalkingModelName, Waypoint, Wishes } from "./protocol";
 import { rectangle } from "./roomshape";
 
@@ -28,9 +28,8 @@ const outline = list(point, MOST.outline, 3);
 const further = list(record<Further>({ corners: list(point, MOST.outline, 2), of: nullable(text(MOST.name)) }), MOST.walls);
 const parts = {
     obstacles: list(outline, MOST.walls),
-    // What is not there is left out: plans are compared as text.
-    walls: (given: unknown) => (given === undefined ? undefined : further(given)),
-    doors: list(record<Door>({ at: point, width: number, open: (given) => (given === undefined ? undefined : openTimes(given)) }), MOST.parts),
+    walls: optional(further),
+    doors: list(record<Door>({ at: point, width: number, open: optional(openTimes) }), MOST.parts),
 };
 const room = record<Room>({ outline, ...parts });
 /** In place of a Trial's walls. */
@@ -105,9 +104,7 @@ export interface Backdrop {
     /** 1: all of it is seen. */
     opacity: number;
 }
-export const backdrop: Check<Backdrop | null> = (given) =>
-    // Former scenes have none.
-    given == null ? null : record<Backdrop>({ name: text(MOST.name), key: text(), at: point, width: within(1e-3, 1e6), aspect: within(1e-4, 1e4), opacity: within(0, 1) })(given);
+export const backdrop = nullable(record<Backdrop>({ name: text(MOST.name), key: text(), at: point, width: within(1e-3, 1e6), aspect: within(1e-4, 1e4), opacity: within(0, 1) }));
 export const person = record<PersonRequest>({
     sex: one("male", "female"),
     breadth: nullable(number),
@@ -132,8 +129,8 @@ const changed = record<Mechanics>({
 });
 /** Whether changed numbers of it are still there after a reload. */
 export const canChange = (id: string) => id.length <= MOST.name;
-/** Most scenes change none of it, and older links do not know it. */
-export const mechanics: Check<Mechanics | undefined> = (given) => (given === undefined ? undefined : changed(given));
+/** Most scenes change none of it. */
+export const mechanics = optional(changed);
 /** Without frictions of single pairs with people, who are of a material: the crowd has one for all of them. */
 export function ofAllPairs(changed: Mechanics | undefined, people: string): Mechanics | undefined {
     const contact = (of: Mechanics["contacts"][number]) => (of.id1 === people || of.id2 === people ? { ...of, kinetic_friction: null } : of);
@@ -148,20 +145,18 @@ const place = record<Place>({
     line: nullable(tuple<[Point, Point]>(point, point)),
     polygon: nullable(corners),
     share: nullable(number),
-    // Older links have none.
-    open: (given) => nullable(openTimes)(given ?? null),
+    open: nullable(openTimes),
 });
 const name = nullable(text(MOST.name));
 const rotational = nullable(record<Rotational>({ time_gap: number, standstill_gap: number, reaction_time: (given) => number(given ?? 0), speed_noise: number, acceleration: number }));
-const balance = (given: unknown) => one<BalanceName>("none", "pendulum", "two-level")(given ?? "none");
+const balance: Check<BalanceName> = (given) => one<BalanceName>("none", "pendulum", "two-level")(given ?? "none");
 const wishes = record<Wishes>({
     model: one<WalkingModelName>("straight", "collision-free-speed", "social-force", "rotational"),
-    // Older links have none.
-    rotational: (given) => rotational(given ?? null),
-    balance: balance,
-    push: (given) => nullable(number)(given ?? null),
-    groups: (given) => nullable(record<NonNullable<Wishes["groups"]>>({ share: within(0, 1) }))(given ?? null),
-    start: (given) => nullable(record<NonNullable<Wishes["start"]>>({ min: within(0, 1e5), max: within(0, 1e5) }))(given ?? null),
+    rotational,
+    balance,
+    push: nullable(number),
+    groups: nullable(record<NonNullable<Wishes["groups"]>>({ share: within(0, 1) })),
+    start: nullable(record<NonNullable<Wishes["start"]>>({ min: within(0, 1e5), max: within(0, 1e5) })),
     desired_speed: number,
     seed: number,
     exits: list(place, MOST.places),
@@ -175,8 +170,7 @@ export const motion = tagged<"kind", Motion>("kind", {
     walk: record({
         speed: number,
         ways: list(way, MOST.ways),
-        // Older links have none of both.
-        shares: (given) => nullable(list(number, MOST.ways))(given ?? null),
+        shares: nullable(list(number, MOST.ways)),
         seed: (given) => number(given ?? 1),
     }),
     go: record({ wishes }),

@@ -3,7 +3,7 @@
 import { useEffect } from "preact/hooks";
 import { chosen, copy, drop, forget, handTool, movable, put, said } from "./handtool";
 import { count, t } from "./language";
-import { LengthField, NumberField } from "./parts";
+import { Button, FAR, LengthField, NumberField } from "./parts";
 import { plan } from "./plan";
 import { choose, film } from "./session";
 import { useTool } from "./tool";
@@ -24,9 +24,7 @@ export function Hand() {
             {edits.length > 0 && (
                 <p class="note">
                     {count(edits.length, "{n} change by hand.", "{n} changes by hand.")}{" "}
-                    <button type="button" onClick={() => choose({ edits: all.filter((edit) => edit.do === "room") }, false)}>
-                        {t("Take all back")}
-                    </button>
+                    <Button words={t("Take all back")} onClick={() => choose({ edits: all.filter((edit) => edit.do === "room") }, false)} />
                 </p>
             )}
         </section>
@@ -37,9 +35,7 @@ function AtStart() {
     return (
         <p class="note">
             {t("People can be moved where they start.")}{" "}
-            <button type="button" onClick={() => film.value?.show(0)}>
-                {t("Go to the start")}
-            </button>
+            <Button words={t("Go to the start")} onClick={() => film.value?.show(0)} />
         </p>
     );
 }
@@ -51,12 +47,10 @@ function Chosen() {
     const degrees = Number(((now.theta * 180) / Math.PI).toFixed(1));
     return (
         <>
-            <p class="note">
-                {t("Person {id}. Drag it, or the handle before it to turn it. Keys on the picture: Shift with arrows moves by 5 cm, Delete removes.", { id: scene.agents[now.agent]!.id })}
-            </p>
+            <p class="note">{t("Person {id}. Drag it, or the handle before it to turn it. Keys on the picture: Shift with arrows moves by 5 cm, Delete removes.", { id: scene.agents[now.agent]!.id })}</p>
             <div class="row">
-                <LengthField of={t("Person")} label="x" value={now.x} min={-1000} max={1000} onChange={(x) => put({ ...(chosen.peek() ?? now), x })} />
-                <LengthField of={t("Person")} label="y" value={now.y} min={-1000} max={1000} onChange={(y) => put({ ...(chosen.peek() ?? now), y })} />
+                <LengthField of={t("Person")} label="x" value={now.x} min={-FAR} max={FAR} onChange={(x) => put({ ...(chosen.peek() ?? now), x })} />
+                <LengthField of={t("Person")} label="y" value={now.y} min={-FAR} max={FAR} onChange={(y) => put({ ...(chosen.peek() ?? now), y })} />
                 <NumberField
                     of={t("Person")}
                     label={t("faces")}
@@ -69,12 +63,8 @@ function Chosen() {
                 />
             </div>
             <div class="buttons">
-                <button type="button" onClick={() => copy(now)}>
-                    {t("Copy person")}
-                </button>
-                <button type="button" disabled={scene.agents.length < 2} onClick={() => drop(now)}>
-                    {t("Delete person")}
-                </button>
+                <Button words={t("Copy person")} onClick={() => copy(now)} />
+                <Button words={t("Delete person")} disabled={scene.agents.length < 2} onClick={() => drop(now)} />
             </div>
             <p role="status" class="note">
                 {said.value}

@@ -2,6 +2,7 @@
 
 import { computed, signal } from "@preact/signals";
 import { count, t } from "./language";
+import { circle, strokes, through } from "./draw";
 import { digits } from "./parts";
 import { MOST } from "./forms";
 import { plan } from "./plan";
@@ -263,15 +264,10 @@ export const handTool: Tool = {
         inMetres(context, view);
         const pixel = devicePixelRatio / view.scale;
         const [x, y] = handle(now);
-        context.strokeStyle = inks.pick;
         context.fillStyle = inks.paper;
-        context.lineWidth = 2 * pixel;
-        context.beginPath();
-        context.moveTo(now.x + 0.2 * (x - now.x), now.y + 0.2 * (y - now.y));
-        context.lineTo(x, y);
-        context.stroke();
-        context.beginPath();
-        context.arc(x, y, 7 * pixel, 0, 2 * Math.PI);
+        through(context, [[now.x + 0.2 * (x - now.x), now.y + 0.2 * (y - now.y)], [x, y]]);
+        strokes(context, [[inks.pick, 2 * pixel]]);
+        circle(context, [x, y], 7 * pixel);
         context.fill();
         context.stroke();
     },

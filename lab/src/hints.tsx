@@ -60,9 +60,7 @@ export function Hints({ film }: { film: Film }) {
         <>
             {isMotionless(film) && <p class="note">{t("Nobody moves here: the tab Motion says what moves them.")}</p>}
             {ways.length > 0 && (
-                <p class="warning">
-                    {`${ways.length === 1 ? t("Way goes through a wall") : t("Ways go through a wall")}: ${ways.join(", ")}. ${t("The cross shows where: people walk straight from point to point.")}`}
-                </p>
+                <p class="warning">{`${ways.length === 1 ? t("Way goes through a wall") : t("Ways go through a wall")}: ${ways.join(", ")}. ${t("The cross shows where: people walk straight from point to point.")}`}</p>
             )}
         </>
     );

@@ -3,7 +3,7 @@
 import { effect, signal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { ByPlace, byPlace, mapKind } from "./byplace";
-import { Client } from "./client";
+import { Client, Stopped } from "./client";
 import { averaged, meanWords, scaleOf, shade, values } from "./colour";
 import { inksOf, Painter, paintBar } from "./draw";
 import { paintPlaces } from "./drawplaces";
@@ -14,7 +14,7 @@ import { beat, canvas } from "./layout";
 import { look, view as shown, wheel } from "./look";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
-import { digits, named } from "./parts";
+import { Button, digits, named } from "./parts";
 import { type Made, plan, scene } from "./plan";
 import type { Opened, OpenTime } from "./protocol";
 import { film, sent } from "./session";
@@ -84,14 +84,10 @@ export function Keep() {
     return (
         <div class="buttons">
             {now && now !== kept.value?.film && (
-                <button type="button" title={t("Keeps this run beside what you change next, with the same clock")} onClick={() => (kept.value = { film: now, facts: factsOf(now.made) })}>
-                    {t("Keep this run to compare")}
-                </button>
+                <Button words={t("Keep this run to compare")} title={t("Keeps this run beside what you change next, with the same clock")} onClick={() => (kept.value = { film: now, facts: factsOf(now.made) })} />
             )}
             {kept.value && (
-                <button type="button" onClick={() => (kept.value = null)}>
-                    {t("End the comparison")}
-                </button>
+                <Button words={t("End the comparison")} onClick={() => (kept.value = null)} />
             )}
         </div>
     );
@@ -118,7 +114,7 @@ function useMap() {
             map.value = new ByPlace(client, run, quantity, value.scene.run);
         })();
         // The picture is then without a map.
-        begun.catch((error: Error) => (refused.value = error.message));
+        begun.catch((error: Error) => error instanceof Stopped || (refused.value = error.message));
         const follow = effect(() => void map.value?.follow((void plan.value.smooth, void run.computed.value, plan.value.span)));
         // Both have the colours of the greatest value of both.
         const together = effect(() => {
@@ -188,7 +184,7 @@ export function Beside({ now }: { now: Film }) {
         <div class="beside">
             <canvas ref={element} onPointerMove={drag} role="img" aria-label={t("The run that is kept: {all}", { all: all.join(", ") })} />
             <p class="note">
-                {t("Kept")}{all.length > 0 && `: ${differing(all, facts()) || all[0]}`}. <Now film={run} of={now} /> {refused.value}
+                {t("Kept: {facts}.", { facts: differing(all, facts()) || all[0]! })} <Now film={run} of={now} /> {refused.value}
             </p>
         </div>
     );

@@ -8,7 +8,7 @@ import type german from "./words/de.json";
 export const LANGUAGES = { en: "English", de: "Deutsch", fr: "Français" };
 export type Language = keyof typeof LANGUAGES;
 
-export type Id = keyof typeof german;
+type Id = keyof typeof german;
 type Places<I extends string> = I extends `${string}{${infer Place}}${infer Rest}` ? Place | Places<Rest> : never;
 /** What is given with an id: a value for each of its places. */
 type Values<I extends string, V> = [Places<I>] extends [never] ? [] : [values: Record<Places<I>, V>];
@@ -54,6 +54,9 @@ export function rich<I extends Id>(id: I, ...[values]: Values<I, ComponentChildr
 export function t<I extends Id>(id: I, ...values: Values<I, string | number>): string {
     return rich(id, ...values).join("");
 }
+
+/** What begins with a capital, inside of a text: German nouns keep it. */
+export const inner = (words: string) => (language === "de" ? words : words.charAt(0).toLowerCase() + words.slice(1));
 
 const rules = new Intl.PluralRules(language);
 

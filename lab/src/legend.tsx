@@ -122,15 +122,9 @@ export function Bar({ scale: { ramp } }: { scale: Scale }) {
 export function Squeeze({ film }: { film: Film }) {
     return (
         <>
-            <p>
-                {t("Squeeze is the sum of the normal forces on a person, from all sides; the colours and the chart of the greatest squeeze show its {mean}. Disks with stiff springs touch here, so short impacts have higher peaks than soft bodies would.", { mean: meanWords(film) })}
-            </p>
-            <p>
-                {t("Measured of people, and none of it a squeeze: men tolerated 623 N against a flat bar 100 mm wide (Evans and Hayden 1971, as reported by Lee and Hughes 2006); 1112 N for 4 to 6 minutes are estimated to be fatal (Hopkins et al. 1993, ibid.).")}
-            </p>
-            <p>
-                {t("It is no pressure on the chest: a force that enters at one side leaves at the other, and both are counted. What a person bears depends on where, how long and how evenly the force acts, and differs from person to person. No number here says who is hurt.")}
-            </p>
+            <p>{t("Squeeze is the sum of the normal forces on a person, from all sides; the colours and the chart of the greatest squeeze show its {mean}. Disks with stiff springs touch here, so short impacts have higher peaks than soft bodies would.", { mean: meanWords(film) })}</p>
+            <p>{t("Measured of people, and none of it a squeeze: men tolerated 623 N against a flat bar 100 mm wide (Evans and Hayden 1971, as reported by Lee and Hughes 2006); 1112 N for 4 to 6 minutes are estimated to be fatal (Hopkins et al. 1993, ibid.).")}</p>
+            <p>{t("It is no pressure on the chest: a force that enters at one side leaves at the other, and both are counted. What a person bears depends on where, how long and how evenly the force acts, and differs from person to person. No number here says who is hurt.")}</p>
         </>
     );
 }

@@ -2,11 +2,10 @@
 
 import { signal } from "@preact/signals";
 import { Fragment } from "preact";
-import type { Inks } from "./draw";
-import { label } from "./draw";
+import { type Inks, label, strokes, through } from "./draw";
 import { t } from "./language";
 import { begin as beginMotion } from "./motionstate";
-import { LengthField } from "./parts";
+import { Button, LengthField } from "./parts";
 import { change, type Plan, plan } from "./plan";
 import type { Point } from "./protocol";
 import { begin as beginRoom } from "./roomtool";
@@ -72,14 +71,8 @@ export function paintArea(context: CanvasRenderingContext2D, [from, to]: Line, v
 export function paintLine(context: CanvasRenderingContext2D, [from, to]: Line, view: View, inks: Inks) {
     inMetres(context, view);
     const pixel = devicePixelRatio / view.scale;
-    for (const [colour, width] of [[inks.paper, 6], [inks.pick, 3]] as const) {
-        context.strokeStyle = colour;
-        context.lineWidth = width * pixel;
-        context.beginPath();
-        context.moveTo(...from);
-        context.lineTo(...to);
-        context.stroke();
-    }
+    through(context, [from, to]);
+    strokes(context, [[inks.paper, 6 * pixel], [inks.pick, 3 * pixel]]);
     label(context, "A", from, view, inks);
     label(context, "B", to, view, inks);
 }
@@ -89,6 +82,13 @@ const WORDS: Record<Kind, [string, string, string, string]> = {
     line: [t("Line"), t("Count over a line"), t("Draw the line anew"), t("Remove the line")],
     area: [t("Area"), t("Measure an area"), t("Draw the area anew"), t("Remove the area")],
 };
+
+function begin(kind: Kind, on: boolean) {
+    // Two tools cannot draw at once.
+    beginRoom("change");
+    beginMotion("change");
+    lineTool.value = on ? null : TOOLS[kind];
+}
 
 export function MeasureButtons() {
     return (
@@ -100,18 +100,9 @@ export function MeasureButtons() {
                 const name = there ? again : first;
                 return (
                     <Fragment key={kind}>
-                        <button type="button" aria-label={name} title={name} aria-pressed={on} onClick={() => {
-                                // Two tools cannot draw at once.
-                                beginRoom("change");
-                                beginMotion("change");
-                                lineTool.value = on ? null : TOOLS[kind];
-                            }}>
-                            {seen}
-                        </button>
+                        <Button words={seen} aria-label={name} title={name} aria-pressed={on} onClick={() => begin(kind, on)} />
                         {there && (
-                            <button type="button" aria-label={remove} title={remove} onClick={() => change({ [kind]: null })}>
-                                ×
-                            </button>
+                            <Button words="×" aria-label={remove} title={remove} onClick={() => change({ [kind]: null })} />
                         )}
                     </Fragment>
                 );

@@ -8,7 +8,7 @@ import type { Film } from "./film";
 import { t } from "./language";
 import { beat, canvas, presents } from "./layout";
 import { Bar, shown } from "./legend";
-import { Check, NumberField, save } from "./parts";
+import { Button, Check, NumberField, save } from "./parts";
 import { composeMap, png } from "./picture";
 import { change, plan, scene } from "./plan";
 import { COLUMNS, isThere } from "./protocol";
@@ -55,9 +55,7 @@ function AtSelected({ film }: { film: Film }) {
     const value = valueAt([frame[COLUMNS * agent]!, frame[COLUMNS * agent + 1]!]);
     return (
         value && (
-            <p class="note">
-                {t("At the selected person: {value}", { value })}
-            </p>
+            <p class="note">{t("At the selected person: {value}", { value })}</p>
         )
     );
 }
@@ -85,12 +83,8 @@ function Controls({ film, places, kind }: MapProps) {
             <NumberField label={t("Map from")} short={t("from")} unit="s" value={from ?? 0} min={0} max={to ?? 1e5} step={0.5} onChange={(next) => change({ span: [next || null, to] })} />
             {to !== null && <NumberField label={t("Map to")} short={t("to")} unit="s" value={to} min={from ?? 0} max={1e5} step={0.5} onChange={(next) => change({ span: [from, next] })} />}
             <Check label={t("to what is computed")} value={to === null} onChange={(on) => change({ span: [from, on ? null : Math.max(computed(), from ?? 0)] })} />
-            <button type="button" disabled={!there || places.busy.value} onClick={csv}>
-                {t("Map (CSV)")}
-            </button>
-            <button type="button" disabled={!there || places.busy.value} onClick={() => void attempt(picture)}>
-                {t("Map (PNG)")}
-            </button>
+            <Button words={t("Map (CSV)")} disabled={!there || places.busy.value} onClick={csv} />
+            <Button words={t("Map (PNG)")} disabled={!there || places.busy.value} onClick={() => void attempt(picture)} />
         </>
     );
 }

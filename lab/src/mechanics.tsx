@@ -3,7 +3,7 @@
 import { canChange, MOST } from "./forms";
 import type { Film } from "./film";
 import { t } from "./language";
-import { digits, Meanings, NumberField } from "./parts";
+import { Button, digits, Meanings, NumberField } from "./parts";
 import { plan } from "./plan";
 import type { Contact, Material2d, Mechanics, Scene } from "./protocol";
 import { choose, playsOn } from "./session";
@@ -90,22 +90,16 @@ export function MechanicsForm({ film: { scene } }: { film: Film }) {
             {warnings.length > 0 && (
                 <ul class="notes warning">
                     {warnings.map((warning) => (
-                        <li key={warning}>
-                            {warning}
-                        </li>
+                        <li key={warning}>{warning}</li>
                     ))}
                 </ul>
             )}
             <div class="buttons">
                 {advised !== null && advised !== mechanical_step && (
-                    <button type="button" onClick={() => set({ time_step_mechanical: advised })}>
-                        {t("Take the advised step: {advised} s", { advised: short(advised) })}
-                    </button>
+                    <Button words={t("Take the advised step: {advised} s", { advised: short(advised) })} onClick={() => set({ time_step_mechanical: advised })} />
                 )}
                 {made.mechanics && (
-                    <button type="button" onClick={() => choose({ mechanics: undefined }, playsOn())}>
-                        {t("As the scene has them")}
-                    </button>
+                    <Button words={t("As the scene has them")} onClick={() => choose({ mechanics: undefined }, playsOn())} />
                 )}
             </div>
             {materials.filter(({ id }) => canChange(id)).map((material) => (

@@ -9,13 +9,11 @@ import { MOST } from "./forms";
 import { t } from "./language";
 import { begin, mode, motion, picked, setMotion } from "./motionstate";
 import { FIRST_PUSH, FIRST_RADIUS, motionTool, remove, withWay } from "./motiontool";
-import { Check, Choice, LengthField, NumberField } from "./parts";
+import { Button, Check, Choice, LengthField, NumberField, PointFields, PointRow } from "./parts";
 import { FIRST_WISHES } from "./places";
 import { isThere, type Motion, type Push, type Waypoint } from "./protocol";
 import { bases, film } from "./session";
 import { useTool } from "./tool";
-
-const FAR = 1000;
 
 const KINDS: [Motion["kind"], string][] = [
     ["own", t("As the scene itself says")],
@@ -100,12 +98,8 @@ function Drawing({ kind, words, hint, onWrite, write }: { kind: "push" | "way"; 
     return (
         <>
             <div class="buttons">
-                <button type="button" aria-pressed={on} onClick={() => begin(on ? "change" : kind)}>
-                    {words}
-                </button>
-                <button type="button" onClick={onWrite}>
-                    {write}
-                </button>
+                <Button words={words} aria-pressed={on} onClick={() => begin(on ? "change" : kind)} />
+                <Button words={write} onClick={onWrite} />
             </div>
             <p class="note" role="status">
                 {on ? `${hint} ${t("Esc ends it without a change.")}` : t("What is drawn can be dragged on the picture; Delete removes what is marked.")}
@@ -144,17 +138,14 @@ function Pushes({ now }: { now: Extract<Motion, { kind: "push" }> }) {
                     const name = t("Push {n}", { n: k + 1 });
                     return (
                         <>
-                            <LengthField of={name} label="x" value={push.at[0]} min={-FAR} max={FAR} onChange={(x) => set(k, { at: [x, push.at[1]] })} />
-                            <LengthField of={name} label="y" value={push.at[1]} min={-FAR} max={FAR} onChange={(y) => set(k, { at: [push.at[0], y] })} />
+                            <PointFields name={name} at={push.at} onChange={(at) => set(k, { at })} />
                             <LengthField of={name} label={t("radius")} value={push.radius} min={0.05} max={100} onChange={(radius) => set(k, { radius })} />
                             <NumberField of={name} label={t("direction")} unit="°" value={push.direction} min={-360} max={360} step={5} onChange={(direction) => set(k, { direction })} />
                             <NumberField of={name} label={t("greatest force")} unit="N" value={push.force} min={1} max={1e5} step={50} onChange={(force) => set(k, { force })} />
                             <NumberField of={name} label={t("start")} unit="s" value={push.start} min={0} max={1000} step={0.1} onChange={(start) => set(k, { start })} />
                             <NumberField of={name} label={t("duration")} unit="s" value={push.duration} min={0.01} max={100} step={0.05} onChange={(duration) => set(k, { duration })} />
                             <Pulse push={push} />
-                            <button type="button" onClick={() => remove(k)}>
-                                {t("Delete push {n}", { n: k + 1 })}
-                            </button>
+                            <Button words={t("Delete push {n}", { n: k + 1 })} onClick={() => remove(k)} />
                         </>
                     );
                 }}
@@ -177,9 +168,7 @@ function Pulse({ push: { start, duration, force } }: { push: Push }) {
                 <path d="M0 24H100" class="axis" />
                 <path d={`M0 24H${(100 * start) / end}L${points.join("L")}H100`} class="curve" />
             </svg>
-            <figcaption class="note">
-                {t("0 to {end} s; {force} N at {time} s", { end: Number(end.toFixed(2)), force, time: Number((start + duration / 2).toFixed(3)) })}
-            </figcaption>
+            <figcaption class="note">{t("0 to {end} s; {force} N at {time} s", { end: Number(end.toFixed(2)), force, time: Number((start + duration / 2).toFixed(3)) })}</figcaption>
         </figure>
     );
 }
@@ -214,26 +203,16 @@ function Walk({ now }: { now: Extract<Motion, { kind: "walk" }> }) {
                             const name = `${t("Way {n}", { n: w + 1 })}, ${t("point {n}", { n: k + 1 })}`;
                             const put = (part: Partial<Waypoint>) => setWay(w, way.map((old, j) => (j === k ? { ...old, ...part } : old)));
                             return (
-                                <div class="row" key={k}>
-                                    <span class="which">{k + 1}</span>
-                                    <LengthField of={name} label="x" value={point.x} min={-FAR} max={FAR} onChange={(x) => put({ x })} />
-                                    <LengthField of={name} label="y" value={point.y} min={-FAR} max={FAR} onChange={(y) => put({ y })} />
+                                <PointRow key={k} k={k} name={name} at={[point.x, point.y]} onChange={([x, y]) => put({ x, y })} onDelete={() => setWay(w, way.filter((_, j) => j !== k))}>
                                     <LengthField of={name} label={t("radius")} value={point.radius} min={0.05} max={100} onChange={(radius) => put({ radius })} />
-                                    <button type="button" aria-label={t("Delete {name}", { name })} onClick={() => setWay(w, way.filter((_, j) => j !== k))}>
-                                        ×
-                                    </button>
-                                </div>
+                                </PointRow>
                             );
                         })}
                         <div class="buttons">
                             {way.length < MOST.points && (
-                                <button type="button" onClick={() => setWay(w, [...way, { ...way.at(-1)!, x: way.at(-1)!.x + 1 }])}>
-                                    {t("Add a point")}
-                                </button>
+                                <Button words={t("Add a point")} onClick={() => setWay(w, [...way, { ...way.at(-1)!, x: way.at(-1)!.x + 1 }])} />
                             )}
-                            <button type="button" onClick={() => remove(w)}>
-                                {t("Delete way {n}", { n: w + 1 })}
-                            </button>
+                            <Button words={t("Delete way {n}", { n: w + 1 })} onClick={() => remove(w)} />
                         </div>
                     </>
                 )}

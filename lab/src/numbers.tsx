@@ -13,7 +13,7 @@ import { Limit } from "./limit";
 import { MeasureFields } from "./line";
 import { MechanicsForm } from "./mechanics";
 import { KindName } from "./mix";
-import { brief, digits, Facts, length } from "./parts";
+import { brief, Button, digits, Facts, length } from "./parts";
 import { change, plan } from "./plan";
 import { COLUMNS, FEET, isChild, isThere, type MeasureShown, type PersonRequest, type PersonShown } from "./protocol";
 import { selected } from "./session";
@@ -149,9 +149,7 @@ function InSurvey({ film, agent }: { film: Film; agent: number }) {
     return (
         <>
             <Facts rows={found.map(({ name, rank }) => [capital(engineText(name)), moreThan(`${(100 * rank).toFixed(0)} %`, asked.sex), t("Of those in the survey ANSUR II")])} />
-            <button type="button" onClick={() => change({ person: asked, tab: "person" })}>
-                {t("Show in the tab Person")}
-            </button>
+            <Button words={t("Show in the tab Person")} onClick={() => change({ person: asked, tab: "person" })} />
         </>
     );
 }

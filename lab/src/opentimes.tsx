@@ -1,8 +1,8 @@
 // When an exit or a door is open, as fields.
 
 import { MOST } from "./forms";
-import { t } from "./language";
-import { NumberField } from "./parts";
+import { inner, t } from "./language";
+import { Button, NumberField } from "./parts";
 import type { OpenTime } from "./protocol";
 import { film } from "./session";
 
@@ -35,17 +35,13 @@ export function OpenTimes({ name, times: given, onChange }: OpenTimesProps) {
                     <div class="row" key={j}>
                         <NumberField of={opening} label={t("from")} unit="s" value={from} min={j > 0 ? times[j - 1]![1] + step : 0} max={to - step} step={5} onChange={(next) => turn([next, to])} />
                         <NumberField of={opening} label={t("to")} unit="s" value={to} min={from + step} max={j + 1 < times.length ? times[j + 1]![0] - step : LATEST} step={5} onChange={(next) => turn([from, next])} />
-                        <button type="button" aria-label={t("Delete {name}", { name: opening })} onClick={() => put(times.filter((_, i) => i !== j))}>
-                            ×
-                        </button>
+                        <Button words="×" aria-label={t("Delete {name}", { name: inner(opening) })} onClick={() => put(times.filter((_, i) => i !== j))} />
                     </div>
                 );
             })}
             {given && times.length < MOST.times && last + 2 * OPEN <= LATEST && (
                 <div class="buttons">
-                    <button type="button" onClick={() => put([...times, [last + OPEN, last + 2 * OPEN]])}>
-                        {t("Add a time")}
-                    </button>
+                    <Button words={t("Add a time")} onClick={() => put([...times, [last + OPEN, last + 2 * OPEN]])} />
                 </div>
             )}
         </>

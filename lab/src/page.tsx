@@ -9,7 +9,7 @@ import { canvas, present, presents } from "./layout";
 import { follow } from "./live";
 import { MotionTab } from "./motion";
 import { Numbers } from "./numbers";
-import { copy, Icon } from "./parts";
+import { Button, copy, Icon } from "./parts";
 import { PersonTab } from "./person";
 import { canRedo, canUndo, change, link, onlyHere, type Plan, plan, redo, scene, undo, unlinked } from "./plan";
 import { isPlan, openPlan } from "./plans";
@@ -46,9 +46,7 @@ function Bare() {
                         {t("Open in the LEMONS lab")}
                     </a>
                 ) : (
-                    <button type="button" onClick={() => present(false)}>
-                        {t("End the presentation")}
-                    </button>
+                    <Button words={t("End the presentation")} onClick={() => present(false)} />
                 )}
             </div>
         </header>
@@ -64,13 +62,9 @@ function Header() {
             <Title />
             <nav aria-label={t("Parts")}>
                 {TABS.map(([key, words]) => (
-                    <button key={key} type="button" aria-current={tab === key ? "page" : undefined} onClick={() => go(key)}>
-                        {words}
-                    </button>
+                    <Button key={key} words={words} aria-current={tab === key ? "page" : undefined} onClick={() => go(key)} />
                 ))}
-                <button type="button" class="phone" aria-pressed={sheet.value === "numbers"} onClick={() => (sheet.value = sheet.value === "numbers" ? null : "numbers")}>
-                    {t("Numbers")}
-                </button>
+                <Button words={t("Numbers")} class="phone" aria-pressed={sheet.value === "numbers"} onClick={() => (sheet.value = sheet.value === "numbers" ? null : "numbers")} />
             </nav>
             <div class="tools">
                 <button type="button" aria-label={t("Undo")} title={t("Undo (Ctrl+Z)")} disabled={!canUndo.value} onClick={undo}>
@@ -79,15 +73,9 @@ function Header() {
                 <button type="button" aria-label={t("Redo")} title={t("Redo (Ctrl+Y)")} disabled={!canRedo.value} onClick={redo}>
                     <Icon path="M10 2l4 4-4 4V7H6a2 2 0 0 0 0 4h4v2H6a4 4 0 0 1 0-8h4z" />
                 </button>
-                <button type="button" aria-label={`${unit}: ${t("show lengths in {unit}", { unit: other })}`} title={t("Show lengths in {unit}", { unit: other })} onClick={() => change({ unit: other })}>
-                    {unit}
-                </button>
-                <button type="button" class="large" title={t("Shows the stage alone (F); Escape ends it")} onClick={() => present(true)}>
-                    {t("Present")}
-                </button>
-                <button type="button" onClick={() => void attempt(copyLink)}>
-                    {t("Copy link")}
-                </button>
+                <Button words={unit} aria-label={`${unit}: ${t("show lengths in {unit}", { unit: other })}`} title={t("Show lengths in {unit}", { unit: other })} onClick={() => change({ unit: other })} />
+                <Button words={t("Present")} class="large" title={t("Shows the stage alone (F); Escape ends it")} onClick={() => present(true)} />
+                <Button words={t("Copy link")} onClick={() => void attempt(copyLink)} />
             </div>
         </header>
     );
@@ -188,9 +176,7 @@ function News() {
             {problem.value && (
                 <div role="alert" class="problem">
                     <pre>{problem.value}</pre>
-                    <button type="button" aria-label={t("Close this message")} onClick={() => (problem.value = "")}>
-                        ×
-                    </button>
+                    <Button words="×" aria-label={t("Close this message")} onClick={() => (problem.value = "")} />
                 </div>
             )}
             {notes.value.length > 0 && (
@@ -200,9 +186,7 @@ function News() {
                             <li key={note}>{note}</li>
                         ))}
                     </ul>
-                    <button type="button" aria-label={t("Close these notes")} onClick={() => (notes.value = [])}>
-                        ×
-                    </button>
+                    <Button words="×" aria-label={t("Close these notes")} onClick={() => (notes.value = [])} />
                 </div>
             )}
         </div>

@@ -1,9 +1,11 @@
 // Small parts of forms.
 
-import type { ComponentChildren, ComponentProps, Ref } from "preact";
-import { useId, useState } from "preact/hooks";
-import { t } from "./language";
+import { signal } from "@preact/signals";
+import { type ComponentChildren, type ComponentProps, type ComponentType, h, type Ref } from "preact";
+import { useEffect, useId, useState } from "preact/hooks";
+import { inner, t } from "./language";
 import { plan } from "./plan";
+import type { Point } from "./protocol";
 
 interface NumberProps {
     /** What it is a number of, if that is seen elsewhere. */
@@ -90,6 +92,37 @@ export function LengthField({ value, min, max, onChange, ...words }: LengthProps
     );
 }
 
+/** In m: the largest coordinate of what is drawn. */
+export const FAR = 1000;
+
+interface PointProps {
+    name: string;
+    at: Point;
+    far?: number;
+    onChange(at: Point): void;
+}
+
+export function PointFields({ name, at: [x, y], far = FAR, onChange }: PointProps) {
+    return (
+        <>
+            <LengthField of={name} label="x" value={x} min={-far} max={far} onChange={(to) => onChange([to, y])} />
+            <LengthField of={name} label="y" value={y} min={-far} max={far} onChange={(to) => onChange([x, to])} />
+        </>
+    );
+}
+
+/** One point of several, with its number; without `onDelete` it stays. */
+export function PointRow({ k, children, onDelete, ...point }: PointProps & { k: number; children?: ComponentChildren; onDelete?(): void }) {
+    return (
+        <div class="row">
+            <span class="which">{k + 1}</span>
+            <PointFields {...point} />
+            {children}
+            {onDelete && <Button words="×" aria-label={t("Delete {name}", { name: inner(point.name) })} onClick={onDelete} />}
+        </div>
+    );
+}
+
 /** A length in m as it is read. */
 export function length(value: number, unit: "m" | "cm") {
     return unit === "cm" ? `${Number((100 * value).toFixed(1))} cm` : `${Number(value.toFixed(3))} m`;
@@ -101,6 +134,15 @@ export function Check({ label, value, onChange }: { label: string; value: boolea
             <input type="checkbox" checked={value} onChange={(event) => onChange(event.currentTarget.checked)} />
             {label}
         </label>
+    );
+}
+
+/** A button with words, or a sign, on it. */
+export function Button({ words, ...given }: { words: string | number } & ComponentProps<"button">) {
+    return (
+        <button type="button" {...given}>
+            {words}
+        </button>
     );
 }
 
@@ -184,6 +226,28 @@ export function Icon({ path }: { path: string }) {
             <path d={path} />
         </svg>
     );
+}
+
+/** A part in three dimensions, whose file is loaded when it is first wanted. */
+export function in3d<P extends object>(load: () => Promise<{ default: ComponentType<P> }>) {
+    const found = signal<ComponentType<P> | null>(null);
+    const missing = signal("");
+    return function Part(props: P) {
+        useEffect(() => {
+            if (found.value) return;
+            load().then(
+                (file) => (found.value = file.default),
+                ({ message }: Error) => (missing.value = t("3D could not be loaded: {message}", { message })),
+            );
+        }, []);
+        if (found.value) return h(found.value, props);
+        if (!missing.value) return <p role="status">{t("3D is loaded …")}</p>;
+        return (
+            <p role="alert">
+                {missing.value} <Button words={t("Load the page again")} onClick={() => location.reload()} />
+            </p>
+        );
+    };
 }
 
 interface SpaceProps {

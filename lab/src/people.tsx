@@ -1,7 +1,7 @@
 // Who the people of a crowd are: as surveyed, from statistics of the user's, or measured people.
 
 import { signal } from "@preact/signals";
-import { t } from "./language";
+import { inner, t } from "./language";
 import { Choice, Field, Head } from "./parts";
 import { type KeptPeople, MOST } from "./forms";
 import { plan } from "./plan";
@@ -113,7 +113,7 @@ function StatisticsTable({ people, onChange }: { people: Statistics; onChange(pe
                                 {VALUES.map((value, k) => (
                                     <td key={value}>
                                         <Cell
-                                            label={`${who}, ${words.toLowerCase()}, ${value}`}
+                                            label={`${who}, ${inner(words)}, ${value}`}
                                             value={people[sex][measure][k]!}
                                             by={measure === "mass" || unit === "m" ? 1 : 100}
                                             onChange={(next) => set(sex, measure, k, next)}

@@ -1,8 +1,6 @@
 // One person: measures, the five disks, the body, and where the person stands in the survey. Or a bicycle.
 
 import { computed, signal, useSignalEffect } from "@preact/signals";
-import type { ComponentType } from "preact";
-import { useEffect } from "preact/hooks";
 import "./person.css";
 import type { Client } from "./client";
 import { capital, Distribution } from "./distribution";
@@ -10,7 +8,7 @@ import { add } from "./handtool";
 import { engineText, rich, t } from "./language";
 import { Latest } from "./latest";
 import { Drawing, extents, Gaze, pathOf } from "./outline";
-import { Choice, digits, Facts, length, NumberField } from "./parts";
+import { Button, Choice, digits, Facts, in3d, length, NumberField } from "./parts";
 import { change, plan } from "./plan";
 import { type BicycleShown, isChild, type MeasureShown, type PersonRequest, type PersonShown, type Surface } from "./protocol";
 import { film } from "./session";
@@ -103,9 +101,7 @@ export function PersonTab({ client }: { client: Client }) {
                 />
                 {!riding.value && is && <MeasureFields is={is} asked={asked} />}
                 {riding.value && (
-                    <p class="note">
-                        {rich("A bicycle has the measures of one template. {crowd} draws crowds with bicycles, as a light XML file only: the mechanics takes pedestrians, so this page neither opens nor runs them.", { crowd: <code>lemons crowd --pedestrians 0.9</code> })}
-                    </p>
+                    <p class="note">{rich("A bicycle has the measures of one template. {crowd} draws crowds with bicycles, as a light XML file only: the mechanics takes pedestrians, so this page neither opens nor runs them.", { crowd: <code>lemons crowd --pedestrians 0.9</code> })}</p>
                 )}
             </form>
             {riding.value ? bicycle.value && <BicycleDrawing is={bicycle.value} /> : is && <Shape is={is} asked={asked} />}
@@ -160,13 +156,9 @@ function MeasureFields({ is, asked }: { is: PersonShown; asked: PersonRequest })
                 </p>
             )}
             <div class="buttons">
-                <button type="button" onClick={() => set(MEDIANS)}>
-                    {t("Medians of the survey")}
-                </button>
+                <Button words={t("Medians of the survey")} onClick={() => set(MEDIANS)} />
                 {film.value && !refused.value && (
-                    <button type="button" title={t("One person more on the stage, where most room is: drag it from there")} onClick={putThere}>
-                        {t("Put into the crowd")}
-                    </button>
+                    <Button words={t("Put into the crowd")} title={t("One person more on the stage, where most room is: drag it from there")} onClick={putThere} />
                 )}
             </div>
         </fieldset>
@@ -232,31 +224,13 @@ function Shape({ is, asked }: { is: PersonShown; asked: PersonRequest }) {
     );
 }
 
-const turning = signal<ComponentType<TurningProps> | null>(null);
-const missing = signal("");
+const Turning = in3d<TurningProps>(() => import("./turning"));
 
 function Body3d({ stature, altitude }: { stature: number; altitude: number | null }) {
-    useEffect(() => {
-        if (turning.value) return;
-        import("./turning")
-            .then(({ default: found }) => {
-                turning.value = found;
-            })
-            .catch((error: Error) => {
-                missing.value = t("3D could not be loaded: {message}", { message: error.message });
-            });
-    }, []);
-    const Turning = turning.value;
     return (
         <section class="panel" aria-label={t("The body")}>
             <h2>{t("The body")}</h2>
-            {missing.value ? (
-                <p role="alert">{missing.value}</p>
-            ) : Turning ? (
-                <Turning body={body.value} stature={stature} altitude={altitude} />
-            ) : (
-                <p role="status">{t("3D is loaded …")}</p>
-            )}
+            <Turning body={body.value} stature={stature} altitude={altitude} />
         </section>
     );
 }

@@ -14,7 +14,7 @@ import { Squeeze } from "./legend";
 import { aboveLimit, framesOf } from "./limit";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
-import { brief, digits, Facts, Field, length, named } from "./parts";
+import { brief, Button, digits, Facts, Field, length, named } from "./parts";
 import { compose, png } from "./picture";
 import { change, link, type Made, NAME, plan, scene } from "./plan";
 import type { Point } from "./protocol";
@@ -211,12 +211,8 @@ export function Report({ film }: { film: Film }) {
     return (
         <main class="report" aria-label={t("Report")}>
             <div class="buttons">
-                <button type="button" class="main" onClick={() => print()}>
-                    {t("Print")}
-                </button>
-                <button type="button" onClick={() => (report.value = null)}>
-                    {t("Back to the lab")}
-                </button>
+                <Button words={t("Print")} class="main" onClick={() => print()} />
+                <Button words={t("Back to the lab")} onClick={() => (report.value = null)} />
             </div>
             <h1>{scene.value.name}</h1>
             <label class={plan.value.author ? "field author" : "field author none"}>

@@ -6,10 +6,10 @@ import { BackdropForms } from "./backdrop";
 import { MakeCrowd } from "./crowd";
 import { DrawingPanel } from "./drawing";
 import { edited, ready, shape } from "./drawn";
-import { t } from "./language";
+import { inner, t } from "./language";
 import { NewRoom } from "./newroom";
 import { OpenTimes } from "./opentimes";
-import { brief, Choice, LengthField, length } from "./parts";
+import { brief, Button, Choice, FAR, length, LengthField, PointFields } from "./parts";
 import { type KeptCrowd, MOST } from "./forms";
 import { change, plan } from "./plan";
 import { openPlan, PLANS } from "./plans";
@@ -20,9 +20,8 @@ import { made } from "./session";
 import { useTool } from "./tool";
 import { FileInput } from "./upload";
 
-/** The largest coordinate and side of a drawn room, and the largest coordinate of a Trial's, in m. */
-const FAR = 1000;
-const FARTHEST = 1e6;
+/** The largest coordinate in m: that of a Trial's is larger. */
+const far = () => (target.value === "trial" ? 1e6 : FAR);
 /** Of more walls, only the fields of the one that is marked are shown. */
 const MANY = 50;
 
@@ -82,9 +81,7 @@ function Draw({ modes }: { modes: typeof MODES }) {
         <>
             <div class="buttons" role="group" aria-label={t("Draw on the picture")}>
                 {modes.map(([key, words]) => (
-                    <button key={key} type="button" aria-pressed={mode.value === key} onClick={() => begin(mode.value === key ? "change" : key)}>
-                        {words}
-                    </button>
+                    <Button key={key} words={words} aria-pressed={mode.value === key} onClick={() => begin(mode.value === key ? "change" : key)} />
                 ))}
             </div>
             <p class="note" role="status">
@@ -133,9 +130,7 @@ function TrialForms() {
             {isChanged.value ? (
                 <p class="note">
                     {t("The walls are changed.")}{" "}
-                    <button type="button" onClick={takeBack}>
-                        {t("Take the walls of the Trial again")}
-                    </button>
+                    <Button words={t("Take the walls of the Trial again")} onClick={takeBack} />
                 </p>
             ) : (
                 <p class="note">{t("The walls are those of the Trial.")}</p>
@@ -172,9 +167,7 @@ function Size({ room }: { room: Room }) {
         return (
             <p class="note">
                 {t("A polygon with")} {room.outline.length} {t("corners.")}{" "}
-                <button type="button" onClick={() => batch(() => (setRoom({ outline: rectangle(4, 4), obstacles: [], doors: [] }), change({ drawn: null })))}>
-                    {t("Make it a rectangle")}
-                </button>
+                <Button words={t("Make it a rectangle")} onClick={() => batch(() => (setRoom({ outline: rectangle(4, 4), obstacles: [], doors: [] }), change({ drawn: null })))} />
             </p>
         );
     }
@@ -191,16 +184,6 @@ function Size({ room }: { room: Room }) {
             <LengthField label={t("Room width")} value={width} min={0.1} max={FAR} onChange={(value) => set(value, height)} />
             <LengthField label={t("Room height")} value={height} min={0.1} max={FAR} onChange={(value) => set(width, value)} />
         </div>
-    );
-}
-
-function PointFields({ name, at, onChange }: { name: string; at: Point; onChange(at: Point): void }) {
-    const far = target.value === "trial" ? FARTHEST : FAR;
-    return (
-        <>
-            <LengthField of={name} label="x" value={at[0]} min={-far} max={far} onChange={(x) => onChange([x, at[1]])} />
-            <LengthField of={name} label="y" value={at[1]} min={-far} max={far} onChange={(y) => onChange([at[0], y])} />
-        </>
     );
 }
 
@@ -222,19 +205,13 @@ function Ring({ title, room, ring }: { title: string; room: Room; ring: number }
                 corners.map((at, k) => (
                     <div class="row" key={k}>
                         <span class="which">{k + 1}</span>
-                        <PointFields name={name(k + 1)} at={at} onChange={(to) => setRoom(edited(room, { do: "move", ring, corner: k, to }))} />
-                        <button type="button" aria-label={t("Insert a corner after {name}", { name: name(k + 1) })} disabled={k + 1 >= all.length && wall !== undefined} onClick={() => setRoom(insert(room, ring, k))}>
-                            +
-                        </button>
-                        <button type="button" aria-label={t("Delete {name}", { name: name(k + 1) })} disabled={!canLose(room, ring)} onClick={() => remove({ kind: "corner", ring, k })}>
-                            ×
-                        </button>
+                        <PointFields name={name(k + 1)} far={far()} at={at} onChange={(to) => setRoom(edited(room, { do: "move", ring, corner: k, to }))} />
+                        <Button words="+" aria-label={t("Insert a corner after {name}", { name: inner(name(k + 1)) })} disabled={k + 1 >= all.length && wall !== undefined} onClick={() => setRoom(insert(room, ring, k))} />
+                        <Button words="×" aria-label={t("Delete {name}", { name: inner(name(k + 1)) })} disabled={!canLose(room, ring)} onClick={() => remove({ kind: "corner", ring, k })} />
                     </div>
                 ))}
             {ring > 0 && (
-                <button type="button" onClick={() => clear(ring)}>
-                    {t("Delete {name}", { name: title })}
-                </button>
+                <Button words={t("Delete {name}", { name: inner(title) })} onClick={() => clear(ring)} />
             )}
         </details>
     );
@@ -260,19 +237,15 @@ function Doors({ room }: { room: Room }) {
                         <div class="row">
                             <span class="which">{k + 1}</span>
                             <LengthField of={name} label={t("width")} value={door.width} min={0.1} max={100} onChange={(width) => set(k, { width })} />
-                            <PointFields name={name} at={door.at} onChange={(at) => set(k, { at })} />
-                            <button type="button" aria-label={t("Delete {name}", { name })} onClick={() => remove({ kind: "door", k })}>
-                                ×
-                            </button>
+                            <PointFields name={name} far={far()} at={door.at} onChange={(at) => set(k, { at })} />
+                            <Button words="×" aria-label={t("Delete {name}", { name: inner(name) })} onClick={() => remove({ kind: "door", k })} />
                         </div>
                         <OpenTimes name={name} times={door.open ?? null} onChange={(open) => set(k, { open: open ?? undefined })} />
                     </div>
                 );
             })}
             {some && doors.length < MOST.parts && (
-                <button type="button" onClick={() => add(some)}>
-                    {t("Add a door by numbers")}
-                </button>
+                <Button words={t("Add a door by numbers")} onClick={() => add(some)} />
             )}
             <p class="note">{t("A door is a gap in the wall that is nearest to x and y. A wall closes it while it is not open.")}</p>
         </details>
@@ -291,13 +264,9 @@ function Region({ crowd }: { crowd: KeptCrowd }) {
             </summary>
             {around?.upright && <RegionFields bounds={around.bounds} set={set} />}
             {region ? (
-                <button type="button" onClick={() => set(null)}>
-                    {t("Use the whole room")}
-                </button>
+                <Button words={t("Use the whole room")} onClick={() => set(null)} />
             ) : (
-                <button type="button" onClick={() => set(rectangle(...shape(room.outline).bounds))}>
-                    {t("Use a rectangle, by numbers")}
-                </button>
+                <Button words={t("Use a rectangle, by numbers")} onClick={() => set(rectangle(...shape(room.outline).bounds))} />
             )}
         </details>
     );

@@ -1,7 +1,7 @@
 // The visitor's scenes as a list, and the name of the one on the stage.
 
 import { t } from "./language";
-import { Field, save } from "./parts";
+import { Button, Field, save } from "./parts";
 import { canUndo, deleted, NAME, scene } from "./plan";
 import { bringBack, duplicate, file, openFile, openKept, remove, rename, scenes, unkept } from "./scenes";
 import { Sketch } from "./sketch";
@@ -28,9 +28,7 @@ export function Scenes() {
         <>
             <h2>{t("Your scenes")}</h2>
             {unkept.value && (
-                <p class="warning">
-                    {t("The scene on the stage is not saved: {why}. Save it as a file.", { why: unkept.value })}
-                </p>
+                <p class="warning">{t("The scene on the stage is not saved: {why}. Save it as a file.", { why: unkept.value })}</p>
             )}
             {all.length === 0 && <p class="note">{t("None yet: a scene is kept in this browser as soon as you change it.")}</p>}
             <ul class="scenes" aria-label={t("Your scenes")}>
@@ -42,12 +40,8 @@ export function Scenes() {
                             <span>{new Date(kept.changed).toLocaleString()}</span>
                         </button>
                         <div class="buttons">
-                            <button type="button" aria-label={t('Copy "{name}"', { name: kept.name })} onClick={() => duplicate(kept)}>
-                                {t("Copy")}
-                            </button>
-                            <button type="button" aria-label={t('Delete "{name}"', { name: kept.name })} onClick={() => remove(id)}>
-                                {t("Delete")}
-                            </button>
+                            <Button words={t("Copy")} aria-label={t('Copy "{name}"', { name: kept.name })} onClick={() => duplicate(kept)} />
+                            <Button words={t("Delete")} aria-label={t('Delete "{name}"', { name: kept.name })} onClick={() => remove(id)} />
                         </div>
                     </li>
                 ))}
@@ -55,14 +49,10 @@ export function Scenes() {
             {deleted.value && (
                 <p class="note">
                     {t('"{name}" is deleted.', { name: deleted.value.name })}{" "}
-                    <button type="button" onClick={bringBack}>
-                        {t("Bring it back")}
-                    </button>
+                    <Button words={t("Bring it back")} onClick={bringBack} />
                 </p>
             )}
-            <button type="button" onClick={() => save(...file())}>
-                {t("Save the scene as a file")}
-            </button>
+            <Button words={t("Save the scene as a file")} onClick={() => save(...file())} />
             <FileInput label={t("Open a scene's file")} accept=".json,application/json" onFiles={async ([given]) => given && openFile(given.file)} />
         </>
     );

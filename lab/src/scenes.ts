@@ -82,7 +82,7 @@ export function begin() {
         const { id, name: called } = scene.value;
         if (id === null || key !== SCENE + id || newValue === written) return;
         // Nothing of the other tab's is written over.
-        const copy = newValue === null ? called : `${called} (copy)`.slice(-NAME);
+        const copy = newValue === null ? called : t("{name} (copy)", { name: called }).slice(-NAME);
         name = copy;
         scene.value = { id: null, name: copy };
         said.value = newValue === null ? t('"{called}" was deleted in another tab. Here it is a copy, which is kept when you change it.', { called }) : t('"{called}" was changed in another tab. Here it is a copy, which is kept when you change it.', { called });
@@ -120,7 +120,7 @@ function tell(why: string) {
 
 /** Another scene with the same contents. */
 export function duplicate({ name: called, plan: from, past, future }: Kept) {
-    tell(write(newId(), JSON.stringify({ name: `${called} (copy)`.slice(-NAME), ...sceneOf(from), past, future, changed: Date.now() })));
+    tell(write(newId(), JSON.stringify({ name: t("{name} (copy)", { name: called }).slice(-NAME), ...sceneOf(from), past, future, changed: Date.now() })));
 }
 
 export function remove(id: string) {

@@ -1,7 +1,5 @@
 // The run: the picture and all around it.
 
-import { signal } from "@preact/signals";
-import { type ComponentType } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import { ByPlace, byPlace, mapKind } from "./byplace";
 import { Canvas } from "./canvas";
@@ -17,7 +15,7 @@ import { fit, zoom } from "./look";
 import { MapLegend } from "./map";
 import { MeasureButtons } from "./line";
 import { Menu } from "./menu";
-import { Check, Choice, digits, LengthField, length } from "./parts";
+import { Button, Check, Choice, digits, in3d, length, LengthField } from "./parts";
 import { change, type Plan, plan } from "./plan";
 import { client, selected } from "./session";
 import { Sections } from "./sections";
@@ -62,7 +60,7 @@ export function Stage({ film }: { film: Film }) {
             {view === "section" && <Altitude film={film} sections={sections} />}
             <div class={kept.value && view !== "3d" ? "frame two" : "frame"}>
                 {kept.value && view !== "3d" && <Beside now={film} />}
-                {view === "3d" ? <InSpace film={film} /> : <Picture film={film} chains={chains} sections={sections} />}
+                {view === "3d" ? <Stage3d film={film} client={client} selected={selected.value} onCanvas={show} onSelect={(agent) => (selected.value = agent)} /> : <Picture film={film} chains={chains} sections={sections} />}
                 {view !== "3d" && <Zoom />}
                 <Menu />
                 <div class="over">
@@ -148,45 +146,7 @@ function Altitude({ film, sections }: { film: Film; sections: Sections }) {
     );
 }
 
-const stage3d = signal<ComponentType<Stage3dProps> | null>(null);
-const missing = signal("");
-
-/** What draws in three dimensions is loaded when it is first wanted. */
-function InSpace({ film }: { film: Film }) {
-    useEffect(() => {
-        if (stage3d.value) return;
-        import("./three")
-            .then(({ default: found }) => {
-                stage3d.value = found;
-            })
-            .catch((error: Error) => {
-                missing.value = t("3D could not be loaded: {message}", { message: error.message });
-            });
-    }, []);
-    const Found = stage3d.value;
-    if (missing.value) {
-        return (
-            <p role="alert">
-                {missing.value}{" "}
-                <button type="button" onClick={() => location.reload()}>
-                    {t("Load the page again")}
-                </button>
-            </p>
-        );
-    }
-    if (!Found) return <p role="status">{t("3D is loaded …")}</p>;
-    return (
-        <Found
-            film={film}
-            client={client}
-            selected={selected.value}
-            onCanvas={show}
-            onSelect={(agent) => {
-                selected.value = agent;
-            }}
-        />
-    );
-}
+const Stage3d = in3d<Stage3dProps>(() => import("./three"));
 
 const VIEWS: [Plan["view"], string][] = [
     ["2d", t("From above")],
@@ -197,15 +157,9 @@ const VIEWS: [Plan["view"], string][] = [
 function Zoom() {
     return (
         <div class="zoom" role="group" aria-label={t("Zoom")}>
-            <button type="button" aria-label={t("Zoom out")} onClick={() => zoom(0.8)}>
-                −
-            </button>
-            <button type="button" aria-label={t("Zoom in")} onClick={() => zoom(1.25)}>
-                +
-            </button>
-            <button type="button" onClick={fit}>
-                {t("Fit")}
-            </button>
+            <Button words="−" aria-label={t("Zoom out")} onClick={() => zoom(0.8)} />
+            <Button words="+" aria-label={t("Zoom in")} onClick={() => zoom(1.25)} />
+            <Button words={t("Fit")} onClick={fit} />
         </div>
     );
 }

@@ -1,9 +1,10 @@
 // People who do not get on: they want to go on, but stay where they are.
 
 import { signal } from "@preact/signals";
+import { circle } from "./draw";
 import type { Film } from "./film";
 import { count, t } from "./language";
-import { brief } from "./parts";
+import { brief, Button } from "./parts";
 import { COLUMNS, GOES, isThere } from "./protocol";
 
 /** Who has not moved by so many metres in so many seconds is stuck. Blocked people mill about: half a breadth of shoulders. */
@@ -43,8 +44,7 @@ export function paintStuck(context: CanvasRenderingContext2D, film: Film, frame:
     context.lineWidth = 3 * pixel;
     for (const a of stuckIn(film, film.shown.value)) {
         if (!isThere(frame, a)) continue;
-        context.beginPath();
-        context.arc(frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!, 0.38, 0, 2 * Math.PI);
+        circle(context, [frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!], 0.38);
         context.stroke();
     }
 }
@@ -61,9 +61,7 @@ export function Stuck({ film, k }: { film: Film; k: number }) {
                 {ids.join(", ")}
                 {found.length > MOST && " …"}
             </p>
-            <button type="button" aria-pressed={marked.value} onClick={() => (marked.value = !marked.value)}>
-                {t("Mark them on the picture")}
-            </button>
+            <Button words={t("Mark them on the picture")} aria-pressed={marked.value} onClick={() => (marked.value = !marked.value)} />
         </div>
     );
 }

@@ -4,7 +4,7 @@ import { batch } from "@preact/signals";
 import { saveTable } from "./csv";
 import { MOST } from "./forms";
 import { t } from "./language";
-import { Choice, digits, NumberField } from "./parts";
+import { Button, Choice, digits, NumberField } from "./parts";
 import { change, crowdOf, type Made, type Plan, plan } from "./plan";
 import { open } from "./scenes";
 import { film } from "./session";
@@ -63,13 +63,9 @@ export function SweepForm() {
                 <p class="note">{t("Each seed has other people at other places. Runs are computed beside what you see.")}</p>
                 {base.kind === "crowd" && edits.length > 0 && <p class="note">{t("Changes by hand stay where they fit: of people with these Ids, to places where they overlap nobody.")}</p>}
                 <div class="buttons act">
-                    <button type="button" class="main" disabled={wrong !== ""} onClick={start}>
-                        {t("Begin the sweep")}
-                    </button>
+                    <Button words={t("Begin the sweep")} class="main" disabled={wrong !== ""} onClick={start} />
                     {running && (
-                        <button type="button" onClick={stop}>
-                            {t("Stop the sweep")}
-                        </button>
+                        <Button words={t("Stop the sweep")} onClick={stop} />
                     )}
                 </div>
                 {now && <Results of={now} running={running} />}
@@ -143,12 +139,8 @@ function Results({ of, running }: { of: Sweep; running: boolean }) {
                     <Chart found={found} measure={measure} words={`${t(label)}: ${t(parameter.label)}`} onShow={show} />
                     <SweepTable of={of} measure={measure} onShow={show} />
                     <div class="buttons">
-                        <button type="button" onClick={() => give("runs", runsCsv(of))}>
-                            {t("Runs of the sweep (CSV)")}
-                        </button>
-                        <button type="button" onClick={() => give("quantiles", quantilesCsv(of))}>
-                            {t("Quantiles of the sweep (CSV)")}
-                        </button>
+                        <Button words={t("Runs of the sweep (CSV)")} onClick={() => give("runs", runsCsv(of))} />
+                        <Button words={t("Quantiles of the sweep (CSV)")} onClick={() => give("quantiles", quantilesCsv(of))} />
                     </div>
                 </>
             )}
@@ -187,9 +179,7 @@ export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measur
                 </p>
             )}
             <table class="sweep">
-                <caption>
-                    {t("{measure}: quantiles of the runs", { measure: named(t(words), unitWords(unitOf)) })}
-                </caption>
+                <caption>{t("{measure}: quantiles of the runs", { measure: named(t(words), unitWords(unitOf)) })}</caption>
                 <thead>
                     <tr>
                         <th scope="col">{named(t(label), unit)}</th>
@@ -208,9 +198,7 @@ export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measur
                             <tr key={value}>
                                 <th scope="row">
                                     {onShow ? (
-                                        <button type="button" title={t("Shows its first run on the stage")} onClick={() => onShow(runs[0]!)}>
-                                            {value}
-                                        </button>
+                                        <Button words={value} title={t("Shows its first run on the stage")} onClick={() => onShow(runs[0]!)} />
                                     ) : (
                                         value
                                     )}

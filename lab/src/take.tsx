@@ -10,12 +10,12 @@ import type { Film } from "./film";
 import { count, rich, t } from "./language";
 import { Movie, whyNoMovie } from "./movie";
 import { curvesCsv, leavingCsv, origin, perExit, saveOfRun, saveTable } from "./csv";
-import { attribute, copy, digits, named, NumberField, save } from "./parts";
+import { attribute, Button, copy, digits, named, NumberField, save } from "./parts";
 import { compose, png } from "./picture";
 import { link, onlyHere, plan, scene as kept } from "./plan";
 import type { FileRequest, NamedFile } from "./protocol";
 import { makeReport } from "./report";
-import { attempt, selected } from "./session";
+import { selected } from "./session";
 
 interface TakeProps {
     film: Film;
@@ -74,12 +74,12 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
     const shown = () => film.frames.copy(film.shown.peek(), film.shown.peek() + 1);
 
     /** What the lab makes and takes long, the page shows and stops (busy.tsx). */
-    const making = async (what: string, make: () => Promise<string | null>) => {
+    const making = async (what: string, make: () => Promise<string | null | void>) => {
         problem.value = "";
         busy.value = true;
         try {
             const name = await make();
-            said(name ? t('"{name}" is made.', { name }) : t("Stopped."));
+            if (name !== undefined) said(name ? t('"{name}" is made.', { name }) : t("Stopped."));
         } catch (error) {
             if (!(error instanceof Stopped)) problem.value = `${what}: ${(error as Error).message}`;
         } finally {
@@ -87,48 +87,40 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
         }
     };
     /** A file that the lab makes. */
-    const take = (what: string, wanted: FileRequest, bytes?: () => Uint8Array, of = (name: string) => name) =>
-        making(what, async () => {
-            const answer = await client.ask<NamedFile>({ ask: "take", run, wanted }, bytes?.());
-            return save(of(answer.value.name), answer.bytes);
-        });
+    const take = async (wanted: FileRequest, bytes?: Uint8Array, of = (name: string) => name) => {
+        const answer = await client.ask<NamedFile>({ ask: "take", run, wanted }, bytes);
+        return save(of(answer.value.name), answer.bytes);
+    };
 
-    const fmu = (version: 2 | 3) =>
-        making(`FMU, FMI ${version}.0`, async () => {
-            const files = await libraries();
-            const binaries = files.map(([platform, content]) => [platform, content.length] as [string, number]);
-            const wanted: FileRequest = { file: "fmu", version, binaries };
-            const answer = await client.ask<NamedFile>({ ask: "take", run, wanted }, joined(files.map(([, content]) => content)));
-            return save(answer.value.name.replace(/\.fmu$/, `-fmi${version}.fmu`), answer.bytes);
-        });
+    const fmu = async (version: 2 | 3) => {
+        const files = await libraries();
+        const binaries = files.map(([platform, content]) => [platform, content.length] as [string, number]);
+        return take({ file: "fmu", version, binaries }, joined(files.map(([, content]) => content)), (name) => name.replace(/\.fmu$/, `-fmi${version}.fmu`));
+    };
     const svg = () => {
         const { low, high, largest, label, unit, kinds } = scaleOf(film, plan.value.colour);
         const k = film.shown.peek();
         const wanted: FileRequest = { file: "svg", range: [low, high], beyond: largest > high, from_grey: plan.value.colour === "squeeze", label, unit, time: k * scene.step, forces: plan.value.forces, by_kind: kinds !== undefined };
-        return take(t("Picture (SVG)"), wanted, () => joined([shown(), bytesOf(values(film, k, plan.value.colour))]), timed);
+        return take(wanted, joined([shown(), bytesOf(values(film, k, plan.value.colour))]), timed);
     };
-    const picture = () =>
-        making(t("Picture (PNG)"), async () => {
-            const from = canvas();
-            if (!from) throw new Error(t("the stage shows no picture"));
-            return save(timed(`${scene.name}.png`), await png((onto) => compose(onto, from, film)));
-        });
-    const record = () =>
-        making(t("Movie (WebM)"), async () => {
-            const made = new Movie(film, canvas, plan.value.pace, (share) => (recorded.value = share));
-            movie.current = made;
-            recorded.value = 0;
-            const blob = await made.record().finally(() => (recorded.value = null));
-            if (!blob) return null;
-            return save(`${scene.name}.webm`, blob);
-        });
+    const picture = async () => {
+        const from = canvas();
+        if (!from) throw new Error(t("the stage shows no picture"));
+        return save(timed(`${scene.name}.png`), await png((onto) => compose(onto, from, film)));
+    };
+    const record = async () => {
+        const made = new Movie(film, canvas, plan.value.pace, (share) => (recorded.value = share));
+        movie.current = made;
+        recorded.value = 0;
+        const blob = await made.record().finally(() => (recorded.value = null));
+        return blob && save(`${scene.name}.webm`, blob);
+    };
     /** A table that the lab makes. */
-    const table = (what: string, wanted: FileRequest, end: number, of = (name: string) => name) =>
-        making(what, async () => {
-            const settings = origin(film, 0, end);
-            const answer = await client.ask<NamedFile>({ ask: "take", run, wanted }, undefined);
-            return saveTable(of(answer.value.name), answer.bytes, settings);
-        });
+    const table = async (wanted: FileRequest, end: number, of = (name: string) => name) => {
+        const settings = origin(film, 0, end);
+        const answer = await client.ask<NamedFile>({ ask: "take", run, wanted }, undefined);
+        return saveTable(of(answer.value.name), answer.bytes, settings);
+    };
     const chosen = selected.value === null ? undefined : scene.agents[selected.value]?.id;
     const ofChosen = chosen === undefined ? "" : `-person-${chosen.slice(0, 24)}`;
     const size = (each: number) => Math.ceil(each * scene.agents.length);
@@ -136,15 +128,13 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
     const end = until.value ?? film.reached.value * scene.step;
     const steps = Math.max(1, Math.round(end / scene.step));
     const last = Number((steps * scene.step).toPrecision(12));
-    const trajectories = () => table(t("Trajectories (CSV)"), { file: "trajectories", steps }, last, (name) => name.replace(/\.csv$/, `-0-${last}s.csv`));
+    const trajectories = () => table({ file: "trajectories", steps }, last, (name) => name.replace(/\.csv$/, `-0-${last}s.csv`));
 
     const noMovie = whyNoMovie();
     const seconds = (film.reached.value * scene.step) / plan.value.pace;
-    const item = (name: string, make: () => Promise<void>, words: ComponentChildren, not = "", field: ComponentChildren = null) => (
+    const item = (name: string, make: () => Promise<string | null | void>, words: ComponentChildren, not = "", field: ComponentChildren = null) => (
         <li>
-            <button type="button" disabled={busy.value || not !== ""} onClick={() => void make()}>
-                {name}
-            </button>
+            <Button words={name} disabled={busy.value || not !== ""} onClick={() => void making(name, make)} />
             <p class="note">
                 {words} {not && <strong>{not}</strong>}
             </p>
@@ -157,9 +147,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                 <div class="work">
                     <p role="status">{t("The movie is recorded …")}</p>
                     <progress aria-label={t("Movie")} value={recorded.value} />
-                    <button type="button" onClick={() => movie.current?.stop()}>
-                        {t("Stop")}
-                    </button>
+                    <Button words={t("Stop")} onClick={() => movie.current?.stop()} />
                 </div>
             )}
             {problem.value && (
@@ -171,7 +159,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             <ul>
                 {item(
                     t("Trial (zip)"),
-                    () => take(t("Trial (zip)"), { file: "trial" }),
+                    () => take({ file: "trial" }),
                     decided
                         ? rich("The XML files and {plan}, which says where people walk. {run} computes the same numbers from it. {decide} makes the FMU that decides from this Trial, and {connect} couples both; this page opens it again.", {
                               plan: <code>decision.toml</code>,
@@ -192,16 +180,15 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             <ul>
                 {item(
                     t("Copy code to embed"),
-                    () =>
-                        attempt(async () => {
-                            await copy(`<iframe src="${attribute(link("?embed"))}" title="${attribute(kept.peek().name)}" width="800" height="600" allow="fullscreen"></iframe>`);
-                            said([t("The code is copied."), onlyHere].filter(Boolean).join(" "));
-                        }),
+                    async () => {
+                        await copy(`<iframe src="${attribute(link("?embed"))}" title="${attribute(kept.peek().name)}" width="800" height="600" allow="fullscreen"></iframe>`);
+                        said([t("The code is copied."), onlyHere].filter(Boolean).join(" "));
+                    },
                     <>
                         {t("An element of HTML that shows the stage, alone and alive, in a page of yours. It holds the scene, but no files.")} <strong>{onlyHere}</strong>
                     </>,
                 )}
-                {item(t("Report to print"), async () => attempt(() => makeReport(film)), t("A picture of the moment of the greatest squeeze, what the scene assumes, its numbers up to the last frame that was shown, and what they do not say. The browser prints it, also as PDF."))}
+                {item(t("Report to print"), () => makeReport(film), t("A picture of the moment of the greatest squeeze, what the scene assumes, its numbers up to the last frame that was shown, and what they do not say. The browser prints it, also as PDF."))}
                 {item(t("Picture (SVG)"), svg, t("The frame that is shown, as lines and shapes: for papers, and for Inkscape. It shows people from above."))}
                 {item(t("Picture (PNG)"), picture, t("What the stage shows now, as pixels: for slides and messages."))}
                 {item(
@@ -217,12 +204,12 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             <ul>
                 {item(
                     t("Bodies (OBJ)"),
-                    () => take(t("Bodies (OBJ)"), { file: "mesh", format: "obj" }, shown, timed),
+                    () => take({ file: "mesh", format: "obj" }, shown(), timed),
                     t("Everybody's body in the frame that is shown, each part with a name: Blender and MeshLab read it. About {size} MB.", { size: size(0.45) }),
                 )}
                 {item(
                     t("Bodies (STL)"),
-                    () => take(t("Bodies (STL)"), { file: "mesh", format: "stl" }, shown, timed),
+                    () => take({ file: "mesh", format: "stl" }, shown(), timed),
                     t("The same as bare triangles: for printing and for CAD. About {size} MB.", { size: size(0.68) }),
                 )}
             </ul>
@@ -249,18 +236,18 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                 )}
                 {item(
                     t("Curves (CSV)"),
-                    () => making(t("Curves (CSV)"), async () => saveOfRun(film, `curves${ofChosen}`, curvesCsv(film, selected.value), { person: chosen, squeeze_is_a_mean_over_s: plan.value.smooth })),
+                    async () => saveOfRun(film, `curves${ofChosen}`, curvesCsv(film, selected.value), { person: chosen, squeeze_is_a_mean_over_s: plan.value.smooth }),
                     t("What the charts show, for each communication step up to the last one that was shown or asked for: mean speed, squeeze, contacts, how many have left; of the selected person, too."),
                 )}
                 {item(
                     t("Who left when (CSV)"),
-                    () => making(t("Who left when (CSV)"), async () => saveOfRun(film, "leaving", leavingCsv(film))),
+                    async () => saveOfRun(film, "leaving", leavingCsv(film)),
                     leaves.length > 0 ? t("Up to the last frame that was shown or asked for: {leaves}.", { leaves: leaves.join("; ") }) : t("When each person left, and by which exit."),
                     scene.leaving === 0 ? t("Nobody leaves in this scene.") : "",
                 )}
                 {item(
                     t("People (CSV)"),
-                    () => table(t("People (CSV)"), { file: "population" }, 0),
+                    () => table({ file: "population" }, 0),
                     rich("Sex and measures of everybody, as {crowd} writes them.", { crowd: <code>lemons crowd</code> }),
                     scene.people ? "" : t("Only of crowds that this page has made: others do not say them."),
                 )}

@@ -3,6 +3,7 @@
 import { t } from "./language";
 import { kindOf, setKind } from "./motion";
 import { begin as beginMotion, mode as motionMode, type Mode as MotionMode } from "./motionstate";
+import { Button } from "./parts";
 import { change, plan } from "./plan";
 import type { Motion } from "./protocol";
 import { aim, begin as beginRoom, fixed, mode as roomMode, type Mode as RoomMode } from "./roomtool";
@@ -27,9 +28,7 @@ export function Tools() {
             {there.map((tool) => {
                 const on = "room" in tool ? plan.value.tab === "room" && roomMode.value === tool.room : plan.value.tab === "motion" && motionMode.value === tool.motion;
                 return (
-                    <button key={tool.name} type="button" title={tool.title} aria-pressed={on} onClick={() => (on ? end() : take(tool))}>
-                        {tool.name}
-                    </button>
+                    <Button key={tool.name} words={tool.name} title={tool.title} aria-pressed={on} onClick={() => (on ? end() : take(tool))} />
                 );
             })}
         </div>

@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { t } from "./language";
+import { Button } from "./parts";
 import { change } from "./plan";
 
 const STEPS: [string, string, string][] = [
@@ -41,17 +42,13 @@ export function Tour() {
     const last = k === STEPS.length - 1;
     return (
         <div class="tour" role="dialog" aria-label={t("Tour")} onKeyDown={(event) => event.key === "Escape" && (step.value = null)}>
-            <h2>
-                {t("{k} of {n}: {name}", { k: k + 1, n: STEPS.length, name: title })}
-            </h2>
+            <h2>{t("{k} of {n}: {name}", { k: k + 1, n: STEPS.length, name: title })}</h2>
             <p>{words}</p>
             <div class="buttons">
                 <button key={k} type="button" class="main" ref={(button) => button?.focus()} onClick={() => (step.value = last ? null : k + 1)}>
                     {last ? t("Begin") : t("Next")}
                 </button>
-                <button type="button" onClick={() => (step.value = null)}>
-                    {t("Close")}
-                </button>
+                <Button words={t("Close")} onClick={() => (step.value = null)} />
             </div>
         </div>
     );

@@ -3,7 +3,7 @@
 import type { Film } from "./film";
 import { t } from "./language";
 import { beat } from "./layout";
-import { Choice, Icon, NumberField } from "./parts";
+import { Button, Choice, Icon, NumberField } from "./parts";
 import { change, plan } from "./plan";
 
 const PACES = [0.1, 0.25, 0.5, 1, 2, 4].map((pace) => [String(pace), `${pace} ×`] as const);
@@ -51,9 +51,7 @@ export function Compute({ film }: { film: Film }) {
     const there = (film.playing.value ? (beat.value, film.computed.peek()) : film.computed.value) - 1;
     const computing = film.wanted.value > there && !film.failed.value;
     return (
-        <button type="button" disabled={!computing && there >= last} onClick={() => void film.compute(computing ? null : last)}>
-            {computing ? t("Stop computing") : t("Compute it")}
-        </button>
+        <Button words={computing ? t("Stop computing") : t("Compute it")} disabled={!computing && there >= last} onClick={() => void film.compute(computing ? null : last)} />
     );
 }
 
@@ -69,9 +67,7 @@ function UntilLeft({ film }: { film: Film }) {
     // Tables and the report end at the last frame that was shown or asked for.
     const over = (emptied !== null && reached >= emptied) || there * film.scene.step >= BOUND || there >= film.most - 1;
     return (
-        <button type="button" disabled={over || film.bound.value !== null && film.wanted.value > there} title={t("Computes until nobody who has an exit is left, at most up to {most} s", { most: BOUND })} onClick={() => void film.computeUntilLeft(BOUND)}>
-            {t("Until all have left")}
-        </button>
+        <Button words={t("Until all have left")} disabled={over || film.bound.value !== null && film.wanted.value > there} title={t("Computes until nobody who has an exit is left, at most up to {most} s", { most: BOUND })} onClick={() => void film.computeUntilLeft(BOUND)} />
     );
 }
 
