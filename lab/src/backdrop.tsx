@@ -8,7 +8,7 @@ import type { Backdrop } from "./forms";
 import { MOST } from "./forms";
 import { t } from "./language";
 import { begin as beginMotion } from "./motionstate";
-import { Button, length, LengthField } from "./parts";
+import { Button, length, LengthField, Range } from "./parts";
 import { change, keysInUse, opened, plan } from "./plan";
 import type { Point } from "./protocol";
 import { distance, rings } from "./roomshape";
@@ -255,7 +255,7 @@ export function BackdropForms() {
             </div>
             <label class="scrub">
                 <span>{t("How much of it is seen")}</span>
-                <input type="range" min={0.05} max={1} step={0.05} value={now.opacity} onChange={(event) => set({ opacity: event.currentTarget.valueAsNumber })} />
+                <Range min={0.05} max={1} step={0.05} value={now.opacity} onChange={(opacity) => set({ opacity })} />
             </label>
             <p class="note">{t("The picture is drawn under the room and changes nothing else. It is kept with the scene in this browser, and is in no link.")}</p>
         </fieldset>

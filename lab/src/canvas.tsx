@@ -13,7 +13,7 @@ import { kept } from "./kept";
 import { count, t } from "./language";
 import { empty, hovered, type Layers, show } from "./layout";
 import { paintArea, paintLine } from "./line";
-import { fits, fit, look, view, wheel, zoom } from "./look";
+import { fit, fits, fitted, look, view, zoom } from "./look";
 import { menu, openMenu } from "./menu";
 import { brief, digits } from "./parts";
 import { plan } from "./plan";
@@ -35,7 +35,7 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
     const painter = useMemo(() => new Painter(film.scene), [film]);
 
     const frame = () => {
-        const now = film.frameAt(film.place.value);
+        const now = film.frames.at(film.place.value);
         return tool.value?.frame?.(now) ?? now;
     };
     const paint = () => {
@@ -44,7 +44,7 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
         if (!on || on.width === 0) return;
         if (fits.value) {
             const further = [...reach(film), ...(tool.value?.extent?.() ?? [])];
-            const next = fitting(film.scene, film.frame(0), further, on.width, on.height);
+            const next = fitting(film.scene, film.frames.frame(0), further, on.width, on.height);
             untracked(() => (view.value = next));
         }
         const context = on.getContext("2d")!;
@@ -62,20 +62,12 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
     useEffect(() => {
         const on = element.current!;
         const hide = show(on);
-        const measure = () => {
+        const end = fitted(on, () => {
             inks.current = null;
-            [on.width, on.height] = [Math.round(on.clientWidth * devicePixelRatio), Math.round(on.clientHeight * devicePixelRatio)];
             size.value += 1;
-        };
-        const observer = new ResizeObserver(measure);
-        observer.observe(on);
-        const scheme = matchMedia("(prefers-color-scheme: dark)");
-        scheme.addEventListener("change", measure);
-        on.addEventListener("wheel", wheel, { passive: false });
+        });
         return () => {
-            observer.disconnect();
-            scheme.removeEventListener("change", measure);
-            on.removeEventListener("wheel", wheel);
+            end();
             hide();
         };
     }, []);
@@ -191,7 +183,7 @@ function openAt(on: HTMLCanvasElement, at: Point, agent: number | null) {
 
 /** The menu of who is selected, for those who have no mouse. */
 function openByKey(on: HTMLCanvasElement, film: Film) {
-    const frame = film.frame(film.shown.value);
+    const frame = film.frames.frame(film.shown.value);
     const agent = selected.value !== null && isThere(frame, selected.value) ? selected.value : null;
     const at: Point = agent === null ? toMetres(view.value, on.width / 2, on.height / 2) : [frame[COLUMNS * agent]!, frame[COLUMNS * agent + 1]!];
     openAt(on, at, agent);
@@ -204,7 +196,7 @@ function key(event: KeyboardEvent, film: Film) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const people = film.scene.agents.length;
     const step = (by: number) => {
-        const shown = film.frame(film.shown.value);
+        const shown = film.frames.frame(film.shown.value);
         let next = selected.value ?? (by > 0 ? -1 : people);
         // Past those who have left.
         for (let tries = 0; tries < people; tries++) {
@@ -230,7 +222,7 @@ function key(event: KeyboardEvent, film: Film) {
 
 /** The next person that way: near, and not far off the line. */
 function towards(film: Film, [dx, dy]: Point) {
-    const frame = film.frame(film.shown.value);
+    const frame = film.frames.frame(film.shown.value);
     const from = selected.value;
     if (from === null) {
         selected.value = 0;

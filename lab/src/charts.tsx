@@ -4,7 +4,6 @@ import { effect, signal } from "@preact/signals";
 import { type ComponentChildren, Fragment } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import { Inside } from "./area";
-import type { Client } from "./client";
 import { averaged, meanWords } from "./colour";
 import type { Film } from "./film";
 import { Flow } from "./flow";
@@ -14,17 +13,11 @@ import { Choice, digits, named } from "./parts";
 import { change, type Plan, plan } from "./plan";
 import { grouped, groups, type Line, Plot } from "./plot";
 import type { Point } from "./protocol";
+import { selected } from "./session";
 import { lastOf } from "./transport";
 
 /** Milliseconds between two updates while it plays. */
 const PAUSE = 200;
-
-interface ChartsProps {
-    film: Film;
-    selected: number | null;
-    line: [Point, Point] | null;
-    client: Client;
-}
 
 /** Counts up when there are other frames or another one is shown, but not more often than every `PAUSE`. */
 function useSlowly(film: Film) {
@@ -52,14 +45,14 @@ function useSlowly(film: Film) {
     return turn.value;
 }
 
-export function Charts({ film, selected, line, client }: ChartsProps) {
+export function Charts({ film }: { film: Film }) {
     useSlowly(film);
     const { frames, scene } = film;
     const { ends } = groups(frames.count);
     const seconds = ends.map((k) => k * scene.step);
     const end = lastOf(film) * scene.step;
     const shown = Math.min(film.shown.peek(), frames.count - 1);
-    const agent = selected !== null && selected < scene.agents.length ? selected : null;
+    const agent = selected.value !== null && selected.value < scene.agents.length ? selected.value : null;
     const name = agent !== null ? t("Person {id}", { id: named(scene.agents[agent]!.id) }) : "";
     const there = (k: number) => !Number.isNaN(frames.number(k, agent!, 0));
     const speed = (k: number) => (there(k) ? Math.hypot(frames.number(k, agent!, 3), frames.number(k, agent!, 4)) : NaN);
@@ -67,7 +60,7 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
     const squeeze = (k: number) => (there(k) ? frames.meanOf(k, last, agent!, SQUEEZE) : NaN);
     const whole = digits(seconds.at(-1)!, 3);
 
-    const { area } = plan.value;
+    const { area, line } = plan.value;
     const inside = useMemo(() => area && new Inside(film, area), [film, JSON.stringify(area)]);
     inside?.follow();
     const time = digits(shown * scene.step, 3);
@@ -125,7 +118,7 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
                 </p>
             </>
         ),
-        flow: () => line && <FlowChart film={film} line={line} client={client} ends={ends} end={end} />,
+        flow: () => line && <FlowChart film={film} line={line} ends={ends} end={end} />,
     };
     const offered = CHARTS.filter(([key]) => (key === "left" ? scene.leaving > 0 : key === "density" ? area : key !== "flow" || line));
     const chosen = plan.value.chart;
@@ -148,8 +141,8 @@ const CHARTS: [Chart, string][] = [
     ["density", t("In the area [people per m²]")],
 ];
 
-function FlowChart({ film, line, client, ends, end }: { film: Film; line: [Point, Point]; client: Client; ends: number[]; end: number }) {
-    const flow = useMemo(() => new Flow(client, film, line), [client, film, JSON.stringify(line)]);
+function FlowChart({ film, line, ends, end }: { film: Film; line: [Point, Point]; ends: number[]; end: number }) {
+    const flow = useMemo(() => new Flow(film, line), [film, JSON.stringify(line)]);
     const { step } = film.scene;
     useEffect(() => void flow.follow());
     if (flow.refused.value) return <p role="alert">{flow.refused.value}</p>;

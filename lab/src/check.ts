@@ -67,6 +67,14 @@ export function record<T extends object>(parts: Parts<T>): Check<T> {
     };
 }
 
+/** A form, and what has it at first. */
+export type Row<T> = readonly [form: Check<T>, first: T];
+export const row = <T>(form: Check<T>, first: NoInfer<T>): Row<T> => [form, first];
+export type OfRows<R> = { -readonly [K in keyof R]: R[K] extends Row<infer T> ? T : never };
+const column = (rows: object, k: 0 | 1) => Object.fromEntries(Object.entries(rows).map(([key, one]) => [key, one[k]])) as unknown;
+export const forms = <R extends object>(rows: R) => column(rows, 0) as Parts<OfRows<R>>;
+export const firsts = <R extends object>(rows: R) => column(rows, 1) as OfRows<R>;
+
 /** As `record`, but what is unfit is taken from `instead`; `left` is told what was there and did not fit. */
 export function patched<T extends object>(parts: Parts<T>, instead: T): (given: unknown, left: (key: keyof T) => void) => T {
     return (given, left) => {

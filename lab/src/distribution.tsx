@@ -1,6 +1,7 @@
 // How often the values of a measure are in the survey.
 
-import { engineText, t } from "./language";
+import { round } from "./colour";
+import { capital, engineText, t } from "./language";
 import type { MeasureShown, Sex } from "./protocol";
 
 const [WIDTH, HEIGHT, FOOT] = [320, 70, 18];
@@ -17,12 +18,6 @@ function below(quantiles: number[], value: number): number {
     return (k + (to > from ? (value - from) / (to - from) : 0)) / last;
 }
 
-/** 1, 2 or 5 times a power of ten. */
-function roundStep(size: number) {
-    const power = 10 ** Math.floor(Math.log10(size));
-    return power * ([1, 2, 5].find((step) => step * power >= size) ?? 10);
-}
-
 interface Bar {
     from: number;
     to: number;
@@ -31,7 +26,7 @@ interface Bar {
 
 function barsOf(quantiles: number[], by: number): Bar[] {
     const [low, high] = [by * quantiles[0]!, by * quantiles.at(-1)!];
-    const step = roundStep((high - low) / BARS);
+    const step = round((high - low) / BARS, [1, 2, 5]);
     const bars: Bar[] = [];
     for (let k = Math.floor(low / step); k * step < high; k++) {
         const [from, to] = [k * step, (k + 1) * step];
@@ -59,7 +54,7 @@ export function Distribution({ measure, by, unit, sex }: DistributionProps) {
     const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
     const words = (value: number) => value.toFixed(decimals);
     const here = Math.max(0, Math.min(WIDTH, x(by * value)));
-    const tick = roundStep((high - low) / TICKS);
+    const tick = round((high - low) / TICKS, [1, 2, 5]);
     const ticks: number[] = [];
     for (let k = Math.ceil(low / tick - 1e-9); k * tick <= high + 1e-9; k++) ticks.push(k * tick);
     const median = (by * quantiles[Math.floor(quantiles.length / 2)]!).toFixed(1);
@@ -103,10 +98,6 @@ export function Distribution({ measure, by, unit, sex }: DistributionProps) {
 /** How many of the survey have less. */
 export function moreThan(share: string, sex: Sex) {
     return sex === "male" ? t("more than {share} of the men", { share }) : t("more than {share} of the women", { share });
-}
-
-export function capital(words: string) {
-    return words[0]!.toUpperCase() + words.slice(1);
 }
 
 function percent(share: number) {

@@ -282,10 +282,7 @@ function Layers({ wanted, layers, again }: { wanted: DrawingRequest; layers: str
         <fieldset class="fields">
             <legend>{t("Layers with walls")}</legend>
             {layers.map((layer) => (
-                <label class="check" key={layer}>
-                    <input type="checkbox" checked={taken.includes(layer)} onChange={(event) => set(layer, event.currentTarget.checked)} />
-                    <span>{layer || "—"}</span>
-                </label>
+                <Check key={layer} label={layer || "—"} value={taken.includes(layer)} onChange={(on) => set(layer, on)} />
             ))}
         </fieldset>
     );

@@ -40,6 +40,12 @@ const bottleneck: Point[] = [
     [0, 5],
 ];
 
+/** People before a door. */
+function door(model: WalkingModelName): Made {
+    const room = { outline: rectangle(8, 6), obstacles: [], doors: [{ at: [8, 3] as Point, width: 0.9 }] };
+    return crowd({ number: 70, seed: 8, room, region: rectangle(5.5, 5.4, 0.3, 0.3) }, leave({ "door 1": [[9, 1.55], [9, 4.45]] }, model));
+}
+
 /** The ground before a tunnel, 2.5 m wide and 8 m long. */
 const vomitory: Point[] = [
     [0, 0],
@@ -57,29 +63,13 @@ export const EXAMPLES: Example[] = [
         name: "The door",
         question: (n) => t("How long do {n} people need to leave?", { n }),
         sentence: t("They walk to a door 0.9 m wide, an arch forms before it, and they leave one by one."),
-        made: crowd(
-            {
-                number: 70,
-                seed: 8,
-                room: { outline: rectangle(8, 6), obstacles: [], doors: [{ at: [8, 3], width: 0.9 }] },
-                region: rectangle(5.5, 5.4, 0.3, 0.3),
-            },
-            leave({ "door 1": [[9, 1.55], [9, 4.45]] }),
-        ),
+        made: door("rotational"),
     },
     {
         name: "Nobody waits",
         question: () => t("What if nobody waits?"),
         sentence: t("The same room and people, who go straight on whoever is in the way, as in the paper. They press each other, and may block the way."),
-        made: crowd(
-            {
-                number: 70,
-                seed: 8,
-                room: { outline: rectangle(8, 6), obstacles: [], doors: [{ at: [8, 3], width: 0.9 }] },
-                region: rectangle(5.5, 5.4, 0.3, 0.3),
-            },
-            leave({ "door 1": [[9, 1.55], [9, 4.45]] }, "straight"),
-        ),
+        made: door("straight"),
     },
     {
         name: "Round and real bodies",

@@ -12,11 +12,11 @@ import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, ROTA
 import type { BalanceName, Place, Point, Rotational, WalkingModelName, Wishes } from "./protocol";
 import { film, selected } from "./session";
 
-const NAMES: [WalkingModelName, string][] = [
-    ["rotational", "Rotational"],
-    ["collision-free-speed", t("Collision-free speed")],
-    ["social-force", t("Social force")],
-    ["straight", t("Straight on")],
+const MODELS: [WalkingModelName, name: string, use: string][] = [
+    ["rotational", "Rotational", t("People see where others will be, step aside and turn their shoulders. Take this model for evacuation, corridors, counterflow and single file.")],
+    ["collision-free-speed", t("Collision-free speed"), t("People turn aside from others and from walls, and keep a distance in time. Flows through doors are about half of what people reach.")],
+    ["social-force", t("Social force"), t("Others and walls repel. Flows through doors are several times too great: not for evacuation times.")],
+    ["straight", t("Straight on"), t("The paper's rule: people go on, whoever is in the way, and push. It shows pressure, not evacuation times.")],
 ];
 
 const BALANCES: [BalanceName, string][] = [
@@ -35,13 +35,6 @@ export function BalanceChoice({ value, onChange }: { value: BalanceName; onChang
     );
 }
 
-const GOOD_FOR: Record<WalkingModelName, string> = {
-    rotational: t("People see where others will be, step aside and turn their shoulders. Take this model for evacuation, corridors, counterflow and single file."),
-    "collision-free-speed": t("People turn aside from others and from walls, and keep a distance in time. Flows through doors are about half of what people reach."),
-    straight: t("The paper's rule: people go on, whoever is in the way, and push. It shows pressure, not evacuation times."),
-    "social-force": t("Others and walls repel. Flows through doors are several times too great: not for evacuation times."),
-};
-
 const ENDS = t("Enter, a double click or a click on the first corner ends it.");
 const HINTS: Partial<Record<Mode, string>> = {
     "exit line": t("Click both ends of the line that people cross to leave."),
@@ -55,8 +48,8 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
     const hint = HINTS[now.value];
     return (
         <>
-            <Choice label={t("How they walk among others")} value={wishes.model} choices={NAMES} onChange={(model) => setWishes({ ...wishes, model, rotational: null })} />
-            <p class="note">{GOOD_FOR[wishes.model]}</p>
+            <Choice label={t("How they walk among others")} value={wishes.model} choices={MODELS} onChange={(model) => setWishes({ ...wishes, model, rotational: null })} />
+            <p class="note">{MODELS.find(([model]) => model === wishes.model)![2]}</p>
             {wishes.model === "rotational" && <Constants wishes={wishes} />}
             <BalanceChoice value={wishes.balance} onChange={(balance) => setWishes({ ...wishes, balance })} />
             <Check label={t("Limit how hard people push ahead")} value={wishes.push !== null} onChange={(on) => setWishes({ ...wishes, push: on ? 100 : null })} />

@@ -67,16 +67,6 @@ export class Film {
         return this.#old || this.#generation !== this.client.generation;
     }
 
-    /** Its numbers, not to be changed. */
-    frame(k: number): Float32Array {
-        return this.frames.frame(k);
-    }
-
-    /** Between two frames; valid until the next call. */
-    frameAt(place: number): Float32Array {
-        return this.frames.at(place);
-    }
-
     get most() {
         return Math.floor(MOST_BYTES / this.frames.bytes);
     }

@@ -45,7 +45,7 @@ export const chosen = computed<Pose | null>(() => {
     for (const edit of [...plan.value.made.edits].reverse()) {
         if (edit.do === "move" && edit.id === id) return { agent, x: edit.x, y: edit.y, theta: edit.theta };
     }
-    const frame = shown.frame(0);
+    const frame = shown.frames.frame(0);
     if (!isThere(frame, agent)) return null;
     return { agent, x: frame[COLUMNS * agent]!, y: frame[COLUMNS * agent + 1]!, theta: frame[COLUMNS * agent + 2]! };
 });
@@ -91,9 +91,7 @@ function begin(at: Pose) {
         .catch(() => {});
 }
 
-function clean(value: number) {
-    return Number(value.toFixed(4));
-}
+const clean = (value: number) => Number(value.toFixed(4));
 
 /** Whether an edit adds the person with this Id. */
 function isNew(edit: Edit, id: string) {
@@ -151,7 +149,7 @@ export function copy({ agent, x, y, theta }: Pose) {
 
 /** Somebody more, at a place or where most room is among the people, facing like the first one. */
 export function add(person: PersonRequest, at: Point | null) {
-    const frame = film.value!.frame(0);
+    const frame = film.value!.frames.frame(0);
     const [x, y] = at ?? roomiest(film.value!.scene, frame);
     const id = newId();
     selectNext(id);
@@ -227,7 +225,7 @@ export const handTool: Tool = {
         const now = pose.value;
         turning = false;
         if (!now) return;
-        const frame = film.value!.frame(0);
+        const frame = film.value!.frames.frame(0);
         const [x, y, theta] = [0, 1, 2].map((k) => frame[COLUMNS * now.agent + k]!) as [number, number, number];
         if (Math.hypot(now.x - x, now.y - y) < 1e-3 && Math.abs(now.theta - theta) < 1e-3) forget();
         else put(now);

@@ -10,8 +10,8 @@ import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
 import { frictionOf } from "./forms";
 import { count, t } from "./language";
-import { beat, canvas } from "./layout";
-import { look, view as shown, wheel } from "./look";
+import { calmly, canvas } from "./layout";
+import { fitted, look, view as shown } from "./look";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
 import { Button, digits, named } from "./parts";
@@ -159,20 +159,14 @@ export function Beside({ now }: { now: Film }) {
             const filled = byPlace.value?.filled.value ? byPlace.value : null;
             if (kind && filled) places?.paint(kind, context, view, filled.scale(kind));
             painter.walls(context, view, inks, place * run.scene.step);
-            painter.people(context, { frame: run.frameAt(place), shades, paths: null, selected: null, overlapping: [], faint: kind !== null }, view, inks);
+            painter.people(context, { frame: run.frames.at(place), shades, paths: null, selected: null, overlapping: [], faint: kind !== null }, view, inks);
             paintPlaces(context, run.scene.targets, view, inks);
             if (kind) places?.paintMost(kind, context, view, inks);
             paintBar(context, view, unit, inks);
         });
-        on.addEventListener("wheel", wheel, { passive: false });
-        const observer = new ResizeObserver(() => {
-            [on.width, on.height] = [Math.round(on.clientWidth * devicePixelRatio), Math.round(on.clientHeight * devicePixelRatio)];
-            size.value += 1;
-        });
-        observer.observe(on);
+        const end = fitted(on, () => (size.value += 1));
         return () => {
-            on.removeEventListener("wheel", wheel);
-            observer.disconnect();
+            end();
             paint();
         };
     }, [run, now]);
@@ -192,8 +186,7 @@ export function Beside({ now }: { now: Film }) {
 
 /** Numbers of a run at the time of another one. */
 export function Now({ film: run, of }: { film: Film; of: Film }) {
-    if (of.playing.value) beat.value;
-    const shown = of.playing.value ? of.shown.peek() : of.shown.value;
+    const shown = calmly(of, of.shown);
     const wanted = (shown * of.scene.step) / run.scene.step;
     const k = Math.floor(frameOf(of, shown, run));
     const { leaving, step } = run.scene;

@@ -58,6 +58,9 @@ export function t<I extends Id>(id: I, ...values: Values<I, string | number>): s
 /** What begins with a capital, inside of a text: German nouns keep it. */
 export const inner = (words: string) => (language === "de" ? words : words.charAt(0).toLowerCase() + words.slice(1));
 
+/** What does not, at the beginning of one. */
+export const capital = (words: string) => words.charAt(0).toUpperCase() + words.slice(1);
+
 const rules = new Intl.PluralRules(language);
 
 /** A text about so many: of one, or of several. */

@@ -28,9 +28,7 @@ function drawing(kind: Kind, paint: typeof paintLine): Tool {
         move: ({ at }, pressed) => {
             if (pressed && drawn.value) drawn.value = [drawn.value[0], at];
         },
-        cancel: () => {
-            drawn.value = null;
-        },
+        cancel: () => void (drawn.value = null),
         up: ({ at, reach }) => {
             const line = drawn.value;
             drawn.value = null;

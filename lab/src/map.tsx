@@ -49,7 +49,7 @@ export function MapLegend({ film, places, kind }: MapProps) {
 
 /** Its value where the selected person is: so it can be read without a mouse. */
 function AtSelected({ film }: { film: Film }) {
-    const frame = film.frame(film.shown.value);
+    const frame = film.frames.frame(film.shown.value);
     const agent = selected.value;
     if (agent === null || !isThere(frame, agent)) return null;
     const value = valueAt([frame[COLUMNS * agent]!, frame[COLUMNS * agent + 1]!]);

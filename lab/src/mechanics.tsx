@@ -19,22 +19,18 @@ function set(part: Partial<Mechanics>) {
     choose({ mechanics: none ? undefined : next }, playsOn());
 }
 
-/** The list with this one in place of the one of the same name. */
-function replaced<T>(all: T[], one: T, same: (other: T) => boolean): T[] {
-    return [...all.filter((other) => !same(other)), one];
+/** The list with one part of one of them changed. What was changed just before may not be on the stage yet: it counts, not what is
+ * shown. */
+function changed<T>(all: T[] = [], shown: T, part: Partial<T>, same: (other: T) => boolean): T[] {
+    return [...all.filter((other) => !same(other)), { ...(all.find(same) ?? shown), ...part }];
 }
 
-/** What was changed just before may not be on the stage yet: it counts, not what is shown. */
 function setMaterial(shown: Material2d, part: Partial<Material2d>) {
-    const all = plan.value.made.mechanics?.materials ?? [];
-    const same = ({ id }: Material2d) => id === shown.id;
-    set({ materials: replaced(all, { ...(all.find(same) ?? shown), ...part }, same) });
+    set({ materials: changed(plan.value.made.mechanics?.materials, shown, part, ({ id }) => id === shown.id) });
 }
 
 function setContact(shown: Mechanics["contacts"][number], part: Partial<Mechanics["contacts"][number]>) {
-    const all = plan.value.made.mechanics?.contacts ?? [];
-    const same = ({ id1, id2 }: (typeof all)[number]) => id1 === shown.id1 && id2 === shown.id2;
-    set({ contacts: replaced(all, { ...(all.find(same) ?? shown), ...part }, same) });
+    set({ contacts: changed(plan.value.made.mechanics?.contacts, shown, part, ({ id1, id2 }) => id1 === shown.id1 && id2 === shown.id2) });
 }
 
 /** What is changed, in words: Young and shear modulus of materials, normal and tangential damping of pairs. */
@@ -42,7 +38,7 @@ export function moduli({ materials }: Mechanics): string[] {
     return materials.map(({ id, young_modulus, shear_modulus }) => t('"{id}": {young} and {shear} N/m', { id, young: young_modulus, shear: shear_modulus }));
 }
 export function dampings({ contacts }: Mechanics): string[] {
-    return contacts.map(({ id1, id2, gamma_normal, gamma_tangential, kinetic_friction: friction }) => `"${id1} – ${id2}": ${gamma_normal} and ${gamma_tangential} kg/s${friction === null ? "" : `, ${t("friction {friction}", { friction })}`}`);
+    return contacts.map(({ id1, id2, gamma_normal, gamma_tangential, kinetic_friction: friction }) => `${t('"{pair}": {normal} and {tangential} kg/s', { pair: `${id1} – ${id2}`, normal: gamma_normal, tangential: gamma_tangential })}${friction === null ? "" : `, ${t("friction {friction}", { friction })}`}`);
 }
 
 /** As `lemons check` says it, with the same limits. */

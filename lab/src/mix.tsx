@@ -6,7 +6,7 @@ import { Stopped } from "./client";
 import { thingsOf } from "./draw";
 import { isOwn, KINDS, kindWords } from "./kindwords";
 import { t } from "./language";
-import { brief, Check, Field } from "./parts";
+import { brief, Check, Field, Range } from "./parts";
 import { plan } from "./plan";
 import type { Disk, KindShown } from "./protocol";
 import { client } from "./session";
@@ -112,7 +112,7 @@ function Share({ kind, share, onChange }: { kind: string; share: number; onChang
             <span class="name">
                 <KindName kind={kind} />
             </span>
-            <input type="range" min={0} max={100} step={1} value={share} aria-label={t("{name}, share", { name })} onChange={(event) => set(event.currentTarget.valueAsNumber)} />
+            <Range min={0} max={100} step={1} value={share} aria-label={t("{name}, share", { name })} onChange={set} />
             <Field type="number" min={0} max={100} step={1} value={share} aria-label={`${name}, %`} onChange={(event) => set(event.currentTarget.valueAsNumber)} />
         </div>
     );

@@ -15,21 +15,13 @@ import { isThere, type Motion, type Push, type Waypoint } from "./protocol";
 import { bases, film } from "./session";
 import { useTool } from "./tool";
 
-const KINDS: [Motion["kind"], string][] = [
-    ["own", t("As the scene itself says")],
-    ["none", t("Nobody moves by themselves")],
-    ["push", t("Some are pushed")],
-    ["walk", t("All walk along ways")],
-    ["go", t("All walk to exits and goals")],
+const KINDS: [Motion["kind"], name: string, sentence: string][] = [
+    ["own", t("As the scene itself says"), t("An example or an opened Trial brings its own drive; people of a crowd walk one way if the tab Crowd says so.")],
+    ["none", t("Nobody moves by themselves"), t("People stand. They move only if they overlap at the start.")],
+    ["push", t("Some are pushed"), t("A push acts on each whose middle is in its circle at the start. The force on each rises and falls like half a sine.")],
+    ["walk", t("All walk along ways"), t("Everybody takes the way whose first point is nearest, or ways have shares. People go to the next point when near enough to one.")],
+    ["go", t("All walk to exits and goals"), t("People walk around walls. At an exit they leave; at a goal they stay.")],
 ];
-
-const SENTENCES: Record<Motion["kind"], string> = {
-    own: t("An example or an opened Trial brings its own drive; people of a crowd walk one way if the tab Crowd says so."),
-    none: t("People stand. They move only if they overlap at the start."),
-    push: t("A push acts on each whose middle is in its circle at the start. The force on each rises and falls like half a sine."),
-    walk: t("Everybody takes the way whose first point is nearest, or ways have shares. People go to the next point when near enough to one."),
-    go: t("People walk around walls. At an exit they leave; at a goal they stay."),
-};
 
 /** What was chosen before comes back. */
 const before = new Map<Motion["kind"], Motion>();
@@ -78,7 +70,7 @@ export function MotionTab() {
                 choices={KINDS}
                 onChange={setKind}
             />
-            <p class="note">{SENTENCES[now.kind]}</p>
+            <p class="note">{KINDS.find(([kind]) => kind === now.kind)![2]}</p>
             {now.kind === "push" && <BalanceChoice value={now.balance} onChange={(balance) => setMotion({ ...now, balance })} />}
             {now.kind === "push" && <Pushes now={now} />}
             {now.kind === "walk" && <Walk now={now} />}
@@ -89,7 +81,7 @@ export function MotionTab() {
 
 /** Somewhere in the picture, for those who write numbers. */
 function middle(): [number, number] {
-    const frame = film.value?.frame(0);
+    const frame = film.value?.frames.frame(0);
     return frame?.length && isThere(frame, 0) ? [Number(frame[0]!.toFixed(2)), Number(frame[1]!.toFixed(2))] : [0, 0];
 }
 

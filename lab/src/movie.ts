@@ -2,6 +2,7 @@
 
 import type { Film } from "./film";
 import { t } from "./language";
+import { canvas } from "./layout";
 import { compose } from "./picture";
 import { withDuration } from "./webm";
 
@@ -21,7 +22,6 @@ export class Movie {
 
     constructor(
         readonly film: Film,
-        readonly canvas: () => HTMLCanvasElement | null,
         /** Simulated seconds in a second. */
         readonly pace: number,
         /** Is told which share is recorded. */
@@ -37,8 +37,7 @@ export class Movie {
         const { film } = this;
         const picture = document.createElement("canvas");
         const paint = () => {
-            const from = this.canvas();
-            if (from) compose(picture, from, film);
+            if (canvas.value) compose(picture, canvas.value, film);
         };
         void film.show(0);
         await nextPicture();

@@ -4,16 +4,16 @@ import { signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { averaged, meanWords } from "./colour";
-import { capital, moreThan } from "./distribution";
+import { moreThan } from "./distribution";
 import type { Film } from "./film";
 import { BY_WALLS } from "./frames";
-import { count, engineText, t } from "./language";
-import { beat } from "./layout";
+import { capital, count, engineText, t } from "./language";
+import { calmly } from "./layout";
 import { Limit } from "./limit";
 import { MeasureFields } from "./line";
 import { MechanicsForm } from "./mechanics";
 import { KindName } from "./mix";
-import { brief, Button, digits, Facts, length } from "./parts";
+import { brief, Button, Choice, digits, Facts, length } from "./parts";
 import { change, plan } from "./plan";
 import { COLUMNS, FEET, isChild, isThere, type MeasureShown, type PersonRequest, type PersonShown } from "./protocol";
 import { selected } from "./session";
@@ -22,7 +22,7 @@ import { Stuck } from "./stuck";
 export function Numbers({ film }: { film: Film }) {
     const playing = film.playing.value;
     // Nobody reads sixty numbers in a second.
-    const k = playing ? (beat.value, film.shown.peek()) : film.shown.value;
+    const k = calmly(film, film.shown);
     return (
         <section class="numbers" aria-label={t("Numbers")}>
             <h2>{t("Run")}</h2>
@@ -86,7 +86,7 @@ function ofPerson(film: Film, k: number, a: number): Rows {
     const agent = film.scene.agents[a];
     if (!agent) return [];
     const { unit } = plan.value;
-    const frame = film.frame(k);
+    const frame = film.frames.frame(k);
     const of = (column: number) => frame[COLUMNS * a + column]!;
     const person = film.scene.people?.[a];
     const there = isThere(frame, a);
@@ -156,23 +156,13 @@ function InSurvey({ film, agent }: { film: Film; agent: number }) {
 
 function Who({ film }: { film: Film }) {
     return (
-        <label class="field">
-            <span class="hidden">{t("Person")}</span>
-            <select
-                value={selected.value === null ? "" : String(selected.value)}
-                onChange={(event) => {
-                    const { value } = event.currentTarget;
-                    selected.value = value === "" ? null : Number(value);
-                }}
-            >
-                <option value="">{t("nobody")}</option>
-                {film.scene.agents.map(({ id }, a) => (
-                    <option key={id} value={String(a)}>
-                        {brief(id)}
-                    </option>
-                ))}
-            </select>
-        </label>
+        <Choice
+            label={t("Person")}
+            hidden
+            value={String(selected.value ?? "")}
+            choices={[["", t("nobody")], ...film.scene.agents.map(({ id }, a) => [String(a), brief(id)] as const)]}
+            onChange={(value) => (selected.value = value === "" ? null : Number(value))}
+        />
     );
 }
 

@@ -2,32 +2,22 @@
 
 import { MOST } from "./forms";
 import { inner, t } from "./language";
-import { Button, NumberField } from "./parts";
+import { Button, Check, NumberField } from "./parts";
 import type { OpenTime } from "./protocol";
 import { film } from "./session";
 
 /** How long it is open after it opens, at first; and the latest time that is taken, in s. */
 const [OPEN, LATEST] = [60, 1e5];
 
-interface OpenTimesProps {
-    /** Of what is open. */
-    name: string;
-    /** None: always. */
-    times: OpenTime[] | null;
-    onChange(times: OpenTime[] | null): void;
-}
-
-export function OpenTimes({ name, times: given, onChange }: OpenTimesProps) {
+/** Of what is open, by its name; without times it always is. */
+export function OpenTimes({ name, times: given, onChange }: { name: string; times: OpenTime[] | null; onChange(times: OpenTime[] | null): void }) {
     const times = given ?? [];
     const step = film.value?.scene.step ?? 0.01;
     const put = (next: OpenTime[]) => onChange(next.length > 0 ? next : null);
     const last = times.at(-1)?.[1] ?? 0;
     return (
         <>
-            <label class="check">
-                <input type="checkbox" checked={given !== null} onChange={(event) => put(event.currentTarget.checked ? [[0, OPEN]] : [])} />
-                <span class="hidden">{name}, </span>{t("open at times only")}
-            </label>
+            <Check label={[<span class="hidden">{name}, </span>, t("open at times only")]} value={given !== null} onChange={(on) => put(on ? [[0, OPEN]] : [])} />
             {times.map(([from, to], j) => {
                 const opening = `${name}, ${t("opening {n}", { n: j + 1 })}`;
                 const turn = (part: OpenTime) => put(times.map((old, i) => (i === j ? part : old)));

@@ -1,11 +1,11 @@
 // The page: its parts and what is above them.
 
 import { signal } from "@preact/signals";
-import { render } from "preact";
+import { type JSX, render } from "preact";
 import { Busy } from "./busy";
 import { CrowdTab } from "./crowd";
 import { choose, language, type Language, LANGUAGES, t, unloaded } from "./language";
-import { canvas, present, presents } from "./layout";
+import { present, presents } from "./layout";
 import { follow } from "./live";
 import { MotionTab } from "./motion";
 import { Numbers } from "./numbers";
@@ -17,7 +17,7 @@ import { Report, report } from "./report";
 import { RoomTab } from "./room";
 import { Title } from "./scenelist";
 import { begin as keepScenes } from "./scenes";
-import { attempt, begin, client, film, notes, problem, said } from "./session";
+import { attempt, begin, film, notes, problem, said } from "./session";
 import { Stage } from "./stage";
 import { StartTab } from "./start";
 import { embedded } from "./storage";
@@ -95,20 +95,12 @@ async function copyLink() {
     said.value = [t("The link is copied."), holds, onlyHere].filter(Boolean).join(" ");
 }
 
+const PANELS: Partial<Record<Plan["tab"], () => JSX.Element>> = { start: StartTab, room: RoomTab, crowd: CrowdTab, motion: MotionTab };
+
 function Panel() {
     const shown = film.value;
-    switch (plan.value.tab) {
-        case "start":
-            return <StartTab />;
-        case "room":
-            return <RoomTab />;
-        case "crowd":
-            return <CrowdTab />;
-        case "motion":
-            return <MotionTab />;
-        default:
-            return shown && <TakeTab film={shown} client={client} canvas={() => canvas.value} said={(words) => (said.value = words)} />;
-    }
+    const Forms = PANELS[plan.value.tab];
+    return Forms ? <Forms /> : shown && <TakeTab film={shown} />;
 }
 
 /** Whether something is dragged over the page. */
@@ -129,7 +121,7 @@ function Page() {
                 <Report film={shown} />
             ) : tab === "person" && !alone ? (
                 <main class="whole">
-                    <PersonTab client={client} />
+                    <PersonTab />
                 </main>
             ) : (
                 <main class={alone ? "columns alone" : "columns"}>

@@ -128,13 +128,20 @@ export function length(value: number, unit: "m" | "cm") {
     return unit === "cm" ? `${Number((100 * value).toFixed(1))} cm` : `${Number(value.toFixed(3))} m`;
 }
 
-export function Check({ label, value, onChange }: { label: string; value: boolean; onChange(value: boolean): void }) {
+export function Check({ label, value, onChange }: { label: ComponentChildren; value: boolean; onChange(value: boolean): void }) {
     return (
         <label class="check">
             <input type="checkbox" checked={value} onChange={(event) => onChange(event.currentTarget.checked)} />
             {label}
         </label>
     );
+}
+
+type RangeProps = Record<"value" | "min" | "max", number> & { step?: number; "aria-label"?: string; "aria-valuetext"?: string; onSlide?(value: number): void; onChange?(value: number): void };
+
+/** A slider: `onSlide` hears it move, `onChange` where it is let go. */
+export function Range({ onSlide, onChange, ...given }: RangeProps) {
+    return <input type="range" {...given} onInput={(event) => onSlide?.(event.currentTarget.valueAsNumber)} onChange={(event) => onChange?.(event.currentTarget.valueAsNumber)} />;
 }
 
 /** A button with words, or a sign, on it. */
@@ -147,16 +154,18 @@ export function Button({ words, ...given }: { words: string | number } & Compone
 }
 
 interface ChoiceProps<T extends string> {
-    label: string;
+    label: ComponentChildren;
+    /** Its label is only heard. */
+    hidden?: boolean;
     value: T;
-    choices: readonly (readonly [T, string])[];
+    choices: readonly (readonly [T, string, ...unknown[]])[];
     onChange(value: T): void;
 }
 
-export function Choice<T extends string>({ label, value, choices, onChange }: ChoiceProps<T>) {
+export function Choice<T extends string>({ label, hidden, value, choices, onChange }: ChoiceProps<T>) {
     return (
         <label class="field">
-            <span>{label}</span>
+            <span class={hidden ? "hidden" : undefined}>{label}</span>
             <select value={value} onChange={(event) => onChange(event.currentTarget.value as T)}>
                 {choices.map(([key, words]) => (
                     <option key={key} value={key}>

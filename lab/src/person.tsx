@@ -2,16 +2,15 @@
 
 import { computed, signal, useSignalEffect } from "@preact/signals";
 import "./person.css";
-import type { Client } from "./client";
-import { capital, Distribution } from "./distribution";
+import { Distribution } from "./distribution";
 import { add } from "./handtool";
-import { engineText, rich, t } from "./language";
+import { capital, engineText, rich, t } from "./language";
 import { Latest } from "./latest";
 import { Drawing, extents, Gaze, pathOf } from "./outline";
-import { Button, Choice, digits, Facts, in3d, length, NumberField } from "./parts";
+import { Button, Check, Choice, digits, Facts, in3d, length, NumberField, Range } from "./parts";
 import { change, plan } from "./plan";
 import { type BicycleShown, isChild, type MeasureShown, type PersonRequest, type PersonShown, type Surface } from "./protocol";
-import { film } from "./session";
+import { client, film } from "./session";
 import type { TurningProps } from "./turning";
 
 const person = signal<PersonShown | null>(null);
@@ -40,48 +39,37 @@ const KINDS = [
 ] as const;
 
 /** What is asked of the lab: one thing after the other. */
-class Asking {
-    #shape: Latest<PersonRequest>;
-    #surface: Latest<PersonRequest>;
-
-    constructor(readonly client: Client) {
-        this.#shape = new Latest(async (asked) => {
-            try {
-                person.value = (await client.ask<PersonShown>({ ask: "person", ...asked })).value;
-                refused.value = "";
-            } catch (error) {
-                refused.value = (error as Error).message;
-                // There are fields to mend it in.
-                if (person.value?.sex !== asked.sex) person.value = (await client.ask<PersonShown>({ ask: "person", ...asked, ...MEDIANS, altitude: null })).value;
-            }
-        });
-        this.#surface = new Latest(async (asked) => {
-            try {
-                const { value, bytes } = await client.ask<Surface>({ ask: "body", ...asked });
-                body.value = { surface: value, bytes };
-            } catch {
-                // The disks say what is wrong.
-            }
-        });
+const shapes = new Latest<PersonRequest>(async (asked) => {
+    try {
+        person.value = (await client.ask<PersonShown>({ ask: "person", ...asked })).value;
+        refused.value = "";
+    } catch (error) {
+        refused.value = (error as Error).message;
+        // There are fields to mend it in.
+        if (person.value?.sex !== asked.sex) person.value = (await client.ask<PersonShown>({ ask: "person", ...asked, ...MEDIANS, altitude: null })).value;
     }
+});
+const surfaces = new Latest<PersonRequest>(async (asked) => {
+    try {
+        const { value, bytes } = await client.ask<Surface>({ ask: "body", ...asked });
+        body.value = { surface: value, bytes };
+    } catch {
+        // The disks say what is wrong.
+    }
+});
 
-    shape = (asked: string) => void this.#shape.want(JSON.parse(asked) as PersonRequest);
-    surface = (asked: string) => void this.#surface.want(JSON.parse(asked) as PersonRequest);
-
-    async bicycle() {
-        try {
-            bicycle.value ??= (await this.client.ask<BicycleShown>({ ask: "bicycle" })).value;
-        } catch (error) {
-            refused.value = (error as Error).message;
-        }
+async function askBicycle() {
+    try {
+        bicycle.value ??= (await client.ask<BicycleShown>({ ask: "bicycle" })).value;
+    } catch (error) {
+        refused.value = (error as Error).message;
     }
 }
 
-export function PersonTab({ client }: { client: Client }) {
-    const asking = useAsking(client);
-    useSignalEffect(() => (riding.value ? void asking.bicycle() : asking.shape(wanted.value)));
+export function PersonTab() {
+    useSignalEffect(() => void (riding.value ? askBicycle() : shapes.want(JSON.parse(wanted.value))));
     useSignalEffect(() => {
-        if (!riding.value) asking.surface(surfaceOf.value);
+        if (!riding.value) void surfaces.want(JSON.parse(surfaceOf.value));
     });
     const { person: asked } = plan.value;
     const is = person.value;
@@ -109,13 +97,6 @@ export function PersonTab({ client }: { client: Client }) {
             {!riding.value && is && <Survey is={is} />}
         </div>
     );
-}
-
-let asking: Asking | null = null;
-
-function useAsking(client: Client): Asking {
-    if (asking?.client !== client) asking = new Asking(client);
-    return asking;
 }
 
 function measured(is: PersonShown, key: (typeof KEYS)[number]) {
@@ -191,26 +172,13 @@ function Shape({ is, asked }: { is: PersonShown; asked: PersonRequest }) {
                 {is.sections && at !== null && <path d={pathOf(is.sections)} class="section" fill-rule="evenodd" />}
                 <Gaze length={0.6 * size.front} />
             </Drawing>
-            <label class="check">
-                <input type="checkbox" checked={at !== null} onChange={(event) => set(event.currentTarget.checked ? Number((0.75 * highest).toFixed(2)) : null)} />
-                {t("Section of the body")}
-            </label>
+            <Check label={t("Section of the body")} value={at !== null} onChange={(on) => set(on ? Number((0.75 * highest).toFixed(2)) : null)} />
             {at !== null && (
                 <label class="field">
                     <span>
                         {t("{length} above the ground", { length: length(at, unit) })}{is.sections?.length === 0 && t(": the body ends below")}
                     </span>
-                    <input
-                        type="range"
-                        aria-label={t("Altitude of the section")}
-                        aria-valuetext={length(at, unit)}
-                        min={0}
-                        max={Number((1.02 * highest).toFixed(2))}
-                        step={0.01}
-                        value={at}
-                        onInput={(event) => (sliding.value = event.currentTarget.valueAsNumber)}
-                        onChange={(event) => set(event.currentTarget.valueAsNumber)}
-                    />
+                    <Range aria-label={t("Altitude of the section")} aria-valuetext={length(at, unit)} min={0} max={Number((1.02 * highest).toFixed(2))} step={0.01} value={at} onSlide={(to) => (sliding.value = to)} onChange={set} />
                 </label>
             )}
             <Facts

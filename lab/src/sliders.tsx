@@ -6,7 +6,7 @@ import { frictionOf, type KeptCrowd } from "./forms";
 import { isOwn, kindName } from "./kindwords";
 import { type Plain, t } from "./language";
 import { type Mix, percent, shared } from "./mix";
-import { Check } from "./parts";
+import { Check, Range } from "./parts";
 import { change, plan } from "./plan";
 import type { Motion, Wishes } from "./protocol";
 import { choose, playsOn } from "./session";
@@ -96,15 +96,7 @@ export function Sliders() {
                         <span>
                             {t(label)}: <strong>{Number(value.toFixed(2))}</strong> {unit}
                         </span>
-                        <input
-                            type="range"
-                            min={min}
-                            max={Math.max(max, value)}
-                            step={step}
-                            value={value}
-                            onInput={(event) => slide(parameter, event.currentTarget.valueAsNumber)}
-                            onChange={letGo}
-                        />
+                        <Range min={min} max={Math.max(max, value)} step={step} value={value} onSlide={(to) => slide(parameter, to)} onChange={letGo} />
                     </label>
                 );
             })}

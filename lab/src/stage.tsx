@@ -8,19 +8,17 @@ import type { Film } from "./film";
 import { Hints } from "./hints";
 import { t } from "./language";
 import { Chains, paintTrails, trailsNote } from "./layers";
-import { beat, empty, type Layers, presents, show } from "./layout";
+import { beat, empty, type Layers, presents } from "./layout";
 import { Beside, difference, kept, Now } from "./kept";
 import { Legend } from "./legend";
 import { fit, zoom } from "./look";
 import { MapLegend } from "./map";
 import { MeasureButtons } from "./line";
 import { Menu } from "./menu";
-import { Button, Check, Choice, digits, in3d, length, LengthField } from "./parts";
+import { Button, Check, Choice, digits, in3d, length, LengthField, Range } from "./parts";
 import { change, type Plan, plan } from "./plan";
-import { client, selected } from "./session";
 import { Sections } from "./sections";
 import { embedded } from "./storage";
-import type { Stage3dProps } from "./three";
 import { Tools } from "./tools";
 import { Transport } from "./transport";
 
@@ -43,12 +41,12 @@ export function Stage({ film }: { film: Film }) {
         });
         return () => cancelAnimationFrame(handle);
     }, [film]);
-    const chains = useMemo(() => new Chains(client, film), [film]);
-    const sections = useMemo(() => new Sections(client, film), [film]);
-    const { view, line } = plan.value;
+    const chains = useMemo(() => new Chains(film), [film]);
+    const sections = useMemo(() => new Sections(film), [film]);
+    const { view } = plan.value;
     const kind = mapKind.value;
     const quantity = kind && (kind === "density" ? kind : "squeeze");
-    const places = useMemo(() => quantity && new ByPlace(client, film, quantity), [film, quantity]);
+    const places = useMemo(() => quantity && new ByPlace(film.client, film, quantity), [film, quantity]);
     useEffect(() => {
         byPlace.value = places;
         return () => places?.end();
@@ -60,7 +58,7 @@ export function Stage({ film }: { film: Film }) {
             {view === "section" && <Altitude film={film} sections={sections} />}
             <div class={kept.value && view !== "3d" ? "frame two" : "frame"}>
                 {kept.value && view !== "3d" && <Beside now={film} />}
-                {view === "3d" ? <Stage3d film={film} client={client} selected={selected.value} onCanvas={show} onSelect={(agent) => (selected.value = agent)} /> : <Picture film={film} chains={chains} sections={sections} />}
+                {view === "3d" ? <Stage3d film={film} /> : <Picture film={film} chains={chains} sections={sections} />}
                 {view !== "3d" && <Zoom />}
                 <Menu />
                 <div class="over">
@@ -82,18 +80,12 @@ export function Stage({ film }: { film: Film }) {
             <Legend film={film} />
             {places && kind && <MapLegend film={film} places={places} kind={kind} />}
             <Transport film={film} />
-            {!embedded && <Charts film={film} selected={selected.value} line={line} client={client} />}
+            {!embedded && <Charts film={film} />}
         </section>
     );
 }
 
-interface PictureProps {
-    film: Film;
-    chains: Chains;
-    sections: Sections;
-}
-
-function Picture({ film, chains, sections }: PictureProps) {
+function Picture({ film, chains, sections }: { film: Film; chains: Chains; sections: Sections }) {
     const { forces, trails } = plan.value;
     const layers = useMemo<Layers>(
         () => ({
@@ -131,7 +123,7 @@ function Altitude({ film, sections }: { film: Film; sections: Sections }) {
             <div class="controls">
                 <label class="scrub">
                     <span>{t("Altitude of the section: {length} above the ground", { length: length(altitude, unit) })}</span>
-                    <input type="range" min={0} max={2.2} step={0.01} value={altitude} onInput={(event) => set(event.currentTarget.valueAsNumber)} />
+                    <Range min={0} max={2.2} step={0.01} value={altitude} onSlide={set} />
                 </label>
                 <LengthField label={t("Altitude")} value={altitude} min={0} max={2.5} onChange={set} />
             </div>
@@ -146,7 +138,7 @@ function Altitude({ film, sections }: { film: Film; sections: Sections }) {
     );
 }
 
-const Stage3d = in3d<Stage3dProps>(() => import("./three"));
+const Stage3d = in3d<{ film: Film }>(() => import("./three"));
 
 const VIEWS: [Plan["view"], string][] = [
     ["2d", t("From above")],

@@ -4,10 +4,11 @@ import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import "./take.css";
-import { type Client, Stopped } from "./client";
+import { Stopped } from "./client";
 import { scaleOf, values } from "./colour";
 import type { Film } from "./film";
 import { count, rich, t } from "./language";
+import { canvas } from "./layout";
 import { Movie, whyNoMovie } from "./movie";
 import { curvesCsv, leavingCsv, origin, perExit, saveOfRun, saveTable } from "./csv";
 import { attribute, Button, copy, digits, named, NumberField, save } from "./parts";
@@ -15,15 +16,7 @@ import { compose, png } from "./picture";
 import { link, onlyHere, plan, scene as kept } from "./plan";
 import type { FileRequest, NamedFile } from "./protocol";
 import { makeReport } from "./report";
-import { selected } from "./session";
-
-interface TakeProps {
-    film: Film;
-    client: Client;
-    /** What the stage shows now. */
-    canvas(): HTMLCanvasElement | null;
-    said(words: string): void;
-}
+import { client, said, selected } from "./session";
 
 function joined(parts: Uint8Array[]): Uint8Array {
     const all = new Uint8Array(parts.reduce((sum, part) => sum + part.length, 0));
@@ -53,7 +46,7 @@ function bytesOf(numbers: Float64Array) {
     return new Uint8Array(numbers.slice().buffer);
 }
 
-export function TakeTab({ film, client, canvas, said }: TakeProps) {
+export function TakeTab({ film }: { film: Film }) {
     const busy = useSignal(false);
     /** The share of the movie that is recorded. */
     const recorded = useSignal<number | null>(null);
@@ -79,7 +72,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
         busy.value = true;
         try {
             const name = await make();
-            if (name !== undefined) said(name ? t('"{name}" is made.', { name }) : t("Stopped."));
+            if (name !== undefined) said.value = name ? t('"{name}" is made.', { name }) : t("Stopped.");
         } catch (error) {
             if (!(error instanceof Stopped)) problem.value = `${what}: ${(error as Error).message}`;
         } finally {
@@ -104,12 +97,12 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
         return take(wanted, joined([shown(), bytesOf(values(film, k, plan.value.colour))]), timed);
     };
     const picture = async () => {
-        const from = canvas();
+        const from = canvas.value;
         if (!from) throw new Error(t("the stage shows no picture"));
         return save(timed(`${scene.name}.png`), await png((onto) => compose(onto, from, film)));
     };
     const record = async () => {
-        const made = new Movie(film, canvas, plan.value.pace, (share) => (recorded.value = share));
+        const made = new Movie(film, plan.value.pace, (share) => (recorded.value = share));
         movie.current = made;
         recorded.value = 0;
         const blob = await made.record().finally(() => (recorded.value = null));
@@ -182,7 +175,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                     t("Copy code to embed"),
                     async () => {
                         await copy(`<iframe src="${attribute(link("?embed"))}" title="${attribute(kept.peek().name)}" width="800" height="600" allow="fullscreen"></iframe>`);
-                        said([t("The code is copied."), onlyHere].filter(Boolean).join(" "));
+                        said.value = [t("The code is copied."), onlyHere].filter(Boolean).join(" ");
                     },
                     <>
                         {t("An element of HTML that shows the stage, alone and alive, in a page of yours. It holds the scene, but no files.")} <strong>{onlyHere}</strong>
@@ -229,9 +222,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                         min={scene.step}
                         max={Number((1e6 * scene.step).toPrecision(12))}
                         step={scene.step}
-                        onChange={(value) => {
-                            until.value = value;
-                        }}
+                        onChange={(value) => (until.value = value)}
                     />,
                 )}
                 {item(

@@ -2,8 +2,8 @@
 
 import type { Film } from "./film";
 import { t } from "./language";
-import { beat } from "./layout";
-import { Button, Choice, Icon, NumberField } from "./parts";
+import { calmly } from "./layout";
+import { Button, Choice, Icon, NumberField, Range } from "./parts";
 import { change, plan } from "./plan";
 
 const PACES = [0.1, 0.25, 0.5, 1, 2, 4].map((pace) => [String(pace), `${pace} ×`] as const);
@@ -48,7 +48,7 @@ export function lastOf(film: Film): number {
 /** Computes up to the end of the timeline without playing. */
 export function Compute({ film }: { film: Film }) {
     const last = Math.round(plan.value.end / film.scene.step);
-    const there = (film.playing.value ? (beat.value, film.computed.peek()) : film.computed.value) - 1;
+    const there = calmly(film, film.computed) - 1;
     const computing = film.wanted.value > there && !film.failed.value;
     return (
         <Button words={computing ? t("Stop computing") : t("Compute it")} disabled={!computing && there >= last} onClick={() => void film.compute(computing ? null : last)} />
@@ -61,9 +61,9 @@ const BOUND = 600;
 /** Computes until all have left. While it does, the button beside it stops it. */
 function UntilLeft({ film }: { film: Film }) {
     if (film.scene.leaving === 0) return null;
-    const there = (film.playing.value ? (beat.value, film.computed.peek()) : film.computed.value) - 1;
+    const there = calmly(film, film.computed) - 1;
     const emptied = film.emptied.value;
-    const reached = film.playing.value ? (beat.value, film.reached.peek()) : film.reached.value;
+    const reached = calmly(film, film.reached);
     // Tables and the report end at the last frame that was shown or asked for.
     const over = (emptied !== null && reached >= emptied) || there * film.scene.step >= BOUND || there >= film.most - 1;
     return (
@@ -74,9 +74,7 @@ function UntilLeft({ film }: { film: Film }) {
 function Timeline({ film }: { film: Film }) {
     const { step } = film.scene;
     // The page is laid out again when a text changes, so not for each picture.
-    const playing = film.playing.value;
-    const k = playing ? (beat.value, film.shown.peek()) : film.shown.value;
-    const computed = playing ? film.computed.peek() : film.computed.value;
+    const [k, computed] = [calmly(film, film.shown), calmly(film, film.computed)];
     const last = lastOf(film);
     const decimals = Math.max(2, Math.min(6, Math.ceil(-Math.log10(step))));
     const time = `${(k * step).toFixed(decimals)} s`;
@@ -97,14 +95,7 @@ function Timeline({ film }: { film: Film }) {
                     ))}
                     <path d={leavings(film, computed).map((frame) => `M${x(frame)} 0V10`).join("")} class="left" />
                 </svg>
-                <input
-                    type="range"
-                    aria-valuetext={time}
-                    min={0}
-                    max={last}
-                    value={k}
-                    onInput={(event) => void film.show(event.currentTarget.valueAsNumber)}
-                />
+                <Range aria-valuetext={time} min={0} max={last} value={k} onSlide={(to) => void film.show(to)} />
             </span>
         </label>
     );
@@ -122,7 +113,7 @@ function leavings({ frames, scene }: Film, computed: number): number[] {
 /** How far it is computed, and how many have left in the frame that is shown: a line of its own, which moves nothing. */
 function Status({ film }: { film: Film }) {
     const { leaving, step } = film.scene;
-    const [k, computed] = film.playing.value ? (beat.value, [film.shown.peek(), film.computed.peek()]) : [film.shown.value, film.computed.value];
+    const [k, computed] = [calmly(film, film.shown), calmly(film, film.computed)];
     const time = (frame: number) => (frame * step).toFixed(2);
     const emptied = film.emptied.value;
     const all = emptied !== null && k >= emptied;

@@ -5,7 +5,7 @@ import { Box3, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { lines, surface } from "./crowd3d";
 import { t } from "./language";
-import { SpaceCanvas } from "./parts";
+import { Check, SpaceCanvas } from "./parts";
 import type { Surface } from "./protocol";
 import { free, Space } from "./space";
 
@@ -109,10 +109,7 @@ export default function Turning({ body, stature, altitude }: TurningProps) {
     });
     return (
         <SpaceCanvas canvas={canvas} missing={missing} label={t("The body in three dimensions. Arrow keys turn the picture, plus and minus zoom, 0 shows all.")}>
-            <label class="check">
-                <input type="checkbox" checked={turns.value} onChange={(event) => (turns.value = event.currentTarget.checked)} />
-                {t("Turn")}
-            </label>
+            <Check label={t("Turn")} value={turns.value} onChange={(on) => (turns.value = on)} />
         </SpaceCanvas>
     );
 }
