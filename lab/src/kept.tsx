@@ -194,11 +194,10 @@ export function Now({ film: run, of }: { film: Film; of: Film }) {
     const over = all !== null && k >= all;
     const squeezes = run.frames.greatestMean(averaged(run)).subarray(0, k + 1);
     const most = digits(squeezes.reduce((one, other) => Math.max(one, other), 0), 3);
-    return (
-        <>
-            {wanted > run.frames.count - 1 && t("(only computed up to {end} s)", { end: ((run.frames.count - 1) * step).toFixed(1) })}{" "}
-            {leaving > 0 && (over ? t("All {n} have left after {time} s.", { n: leaving, time: (all * step).toFixed(2) }) : t("{left} of {n} have left.", { left: run.frames.curve("left")[k]!, n: leaving }))}{" "}
-            {over ? t("Greatest squeeze so far: {most} N", { most }) : t("Greatest squeeze: {now} N, so far {most} N", { now: digits(squeezes[k]!, 3), most })} ({meanWords(run, k)}).
-        </>
-    );
+    const words = [
+        wanted > run.frames.count - 1 && t("(only computed up to {end} s)", { end: ((run.frames.count - 1) * step).toFixed(1) }),
+        leaving > 0 && (over ? t("All {n} have left after {time} s.", { n: leaving, time: (all * step).toFixed(2) }) : t("{left} of {n} have left.", { left: run.frames.curve("left")[k]!, n: leaving })),
+        over ? t("Greatest squeeze so far: {most} N", { most }) : t("Greatest squeeze: {now} N, so far {most} N", { now: digits(squeezes[k]!, 3), most }),
+    ];
+    return <>{`${words.filter(Boolean).join(" ")} (${meanWords(run, k)}).`}</>;
 }

@@ -86,7 +86,7 @@ function seedWords({ base, motion }: Made, runs: number): string {
     if (walking !== null) all.push(runs === 1 ? t("walking has the seed {seed}", { seed: walking }) : t("walking has the seeds {from} to {to}", of(walking)));
     if (all.length === 0) return t("Nothing is drawn by chance in this scene: all runs of a value are the same.");
     if (all.length === 2 && runs > 1) all.push(t("each run has the next one of both"));
-    return t("In the runs of each value: {seeds}.", { seeds: all.join("; ") });
+    return t("In the runs of each value, {seeds}.", { seeds: all.join("; ") });
 }
 
 /** Some values around the present one. */

@@ -13,7 +13,9 @@ KEEP = """
     window.shown = new Set();
     const SAID = ["title", "aria-label", "aria-valuetext", "placeholder", "alt"];
     const keep = (node) => {
-        if (!(node.parentElement ?? node).closest?.("#lab")) return;
+        const within = node.parentElement ?? node;
+        // Sources of kinds are texts of data.
+        if (!within.closest?.("#lab") || within.closest(".mix li")) return;
         if (node.nodeType === Node.TEXT_NODE && node.data.trim()) window.shown.add(node.parentElement?.textContent ?? "");
         for (const name of SAID) window.shown.add(node.getAttribute?.(name) ?? "");
         node.childNodes.forEach(keep);
