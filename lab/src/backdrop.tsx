@@ -2,12 +2,13 @@
 
 import { computed, effect, signal, untracked } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { type Inks, label } from "./draw";
+import { type Inks, label, strokes, through } from "./draw";
 import { ready, shape } from "./drawn";
 import type { Backdrop } from "./forms";
 import { MOST } from "./forms";
+import { t } from "./language";
 import { begin as beginMotion } from "./motionstate";
-import { LengthField, length } from "./parts";
+import { Button, length, LengthField, Range } from "./parts";
 import { change, keysInUse, opened, plan } from "./plan";
 import type { Point } from "./protocol";
 import { distance, rings } from "./roomshape";
@@ -15,7 +16,7 @@ import { begin as beginRoom, room } from "./roomtool";
 import { bases, problem, said } from "./session";
 import { brief, keep, kept } from "./store";
 import { lineTool, type Tool } from "./tool";
-import { FileInput } from "./upload";
+import { FileInput, tooLong } from "./upload";
 import { inMetres, toPixels, type View } from "./view";
 
 /** In byte: the largest file; in pixels: the largest picture, its longest side as it is kept, and that of a drawing. */
@@ -64,19 +65,19 @@ async function load(wanted: string) {
  * scripts and addresses, which nobody runs or asks. */
 export async function setPicture(file: File) {
     const { name } = file;
-    if (file.size > MOST_BYTES) throw new Error(`"${name}" has more than ${MOST_BYTES / 1e6} MB`);
-    if (name.length > MOST.name) throw new Error(`the name "${name.slice(0, 20)}…" has more than ${MOST.name} letters`);
+    if (file.size > MOST_BYTES) throw new Error(t('"{name}" has more than {most} MB', { name, most: MOST_BYTES / 1e6 }));
+    if (name.length > MOST.name) throw new Error(tooLong(name));
     const url = URL.createObjectURL(new Blob([file], { type: typeOf(name) }));
     try {
         const picture = new Image();
         await new Promise((done, failed) => {
             picture.onload = done;
-            picture.onerror = () => failed(new Error(`"${name}" is no picture that this browser can show`));
+            picture.onerror = () => failed(new Error(t('"{name}" is no picture that this browser can show', { name })));
             picture.src = url;
         });
         const [width, height] = [picture.naturalWidth, picture.naturalHeight];
-        if (!(width > 0 && height > 0)) throw new Error(`"${name}" does not say how large it is`);
-        if (width * height > MOST_PIXELS) throw new Error(`"${name}" has ${width} × ${height} pixels: at most ${MOST_PIXELS / 1e6} million are allowed`);
+        if (!(width > 0 && height > 0)) throw new Error(t('"{name}" does not say how large it is', { name }));
+        if (width * height > MOST_PIXELS) throw new Error(t('"{name}" has {width} × {height} pixels: at most {most} million are allowed', { name, width, height, most: MOST_PIXELS / 1e6 }));
         const scale = isVector(name) ? DRAWN / Math.max(width, height) : Math.min(1, LONGEST / Math.max(width, height));
         const whole = !isVector(name) && scale === 1;
         const bytes = whole ? await file.arrayBuffer() : await pixels(picture, width * scale, height * scale, name);
@@ -94,10 +95,10 @@ async function pixels(picture: HTMLImageElement, width: number, height: number, 
         try {
             on.toBlob(done, "image/png");
         } catch {
-            failed(new Error(`"${name}" holds parts that this browser does not give away as pixels`));
+            failed(new Error(t('"{name}" holds parts that this browser does not give away as pixels', { name })));
         }
     });
-    if (!made) throw new Error(`"${name}" is too large for a picture of this browser`);
+    if (!made) throw new Error(t('"{name}" is too large for a picture of this browser', { name }));
     return made.arrayBuffer();
 }
 
@@ -108,7 +109,7 @@ function lay(name: string, key: string, aspect: number) {
     const [wide, , left, low] = corners.length > 0 && ready() ? shape(corners).bounds : [10, 10, 0, 0];
     const place = before ? { at: before.at, width: before.width, opacity: before.opacity } : { at: [left, low] as Point, width: Math.max(1, wide), opacity: FAINT };
     change({ backdrop: { name, key, ...place, aspect } });
-    said.value = brief.has(key) ? `"${name}" lies under the room. This browser's storage has no room for it: it is there until the page is closed.` : `"${name}" lies under the room. Set its scale.`;
+    said.value = brief.has(key) ? t("\"{name}\" lies under the room. This browser's storage has no room for it: it is there until the page is closed.", { name }) : t('"{name}" lies under the room. Set its scale.', { name });
 }
 
 /** While it is moved. */
@@ -154,12 +155,8 @@ const measure: Tool = {
 
 function paintMeasure(context: CanvasRenderingContext2D, from: Point, to: Point, view: View, inks: Inks) {
     inMetres(context, view);
-    context.lineWidth = (3 * devicePixelRatio) / view.scale;
-    context.strokeStyle = inks.mark;
-    context.beginPath();
-    context.moveTo(...from);
-    context.lineTo(...to);
-    context.stroke();
+    through(context, [from, to]);
+    strokes(context, [[inks.mark, (3 * devicePixelRatio) / view.scale]]);
     label(context, length(distance(from, to), plan.value.unit), [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2], view, inks);
 }
 
@@ -217,7 +214,7 @@ function setLength(now: Backdrop, known: number) {
     const by = known / distance(from, to);
     const width = Number((by * now.width).toFixed(4));
     if (!(width >= NARROWEST && width <= WIDEST)) {
-        problem.value = `So the picture would be ${Number(width.toPrecision(3))} m wide: ${NARROWEST} to ${WIDEST} m are allowed.`;
+        problem.value = t("So the picture would be {width} m wide: {least} to {most} m are allowed.", { width: Number(width.toPrecision(3)), least: NARROWEST, most: WIDEST });
         return;
     }
     const at = [0, 1].map((k) => Number((from[k]! + by * (now.at[k]! - from[k]!)).toFixed(4))) as Point;
@@ -236,37 +233,31 @@ export function BackdropForms() {
     return (
         <fieldset class="fields">
             <legend>
-                Picture <span translate={false}>"{now.name}"</span>
+                {t("Picture")} "{now.name}"
             </legend>
             {absent.value && (
                 <>
-                    <p class="warning">This picture is not kept in this browser: a link or a file of a scene holds no pictures. Open it again here.</p>
-                    <FileInput label="Open the picture again" accept=".png,.jpg,.jpeg,.webp,.svg" onFiles={async ([given]) => given && setPicture(given.file)} />
+                    <p class="warning">{t("This picture is not kept in this browser: a link or a file of a scene holds no pictures. Open it again here.")}</p>
+                    <FileInput label={t("Open the picture again")} accept=".png,.jpg,.jpeg,.webp,.svg" onFiles={async ([given]) => given && setPicture(given.file)} />
                 </>
             )}
             <div class="buttons">
-                <button type="button" aria-pressed={measuring} onClick={() => begin(measure)}>
-                    Set the scale by a known length
-                </button>
-                <button type="button" aria-pressed={lineTool.value === move} onClick={() => begin(move)}>
-                    Move it with the mouse
-                </button>
-                <button type="button" onClick={() => (end(), change({ backdrop: null }))}>
-                    Remove the picture
-                </button>
+                <Button words={t("Set the scale by a known length")} aria-pressed={measuring} onClick={() => begin(measure)} />
+                <Button words={t("Move it with the mouse")} aria-pressed={lineTool.value === move} onClick={() => begin(move)} />
+                <Button words={t("Remove the picture")} onClick={() => (end(), change({ backdrop: null }))} />
             </div>
-            {measuring && !to && <p class="note" role="status">{from ? "Click the other end of the line." : "Click one end of a line whose length you know."}</p>}
-            {measuring && from && to && <LengthField label="Real length of the line" value={distance(from, to)} min={0.01} max={10000} onChange={(known) => setLength(now, known)} />}
-            <LengthField label="Width of the picture" value={now.width} min={NARROWEST} max={WIDEST} onChange={(width) => set({ width })} />
+            {measuring && !to && <p class="note" role="status">{from ? t("Click the other end of the line.") : t("Click one end of a line whose length you know.")}</p>}
+            {measuring && from && to && <LengthField label={t("Real length of the line")} value={distance(from, to)} min={0.01} max={10000} onChange={(known) => setLength(now, known)} />}
+            <LengthField label={t("Width of the picture")} value={now.width} min={NARROWEST} max={WIDEST} onChange={(width) => set({ width })} />
             <div class="row">
-                <LengthField label="Picture, left" short="left" value={now.at[0]} min={-1e6} max={1e6} onChange={(x) => set({ at: [x, now.at[1]] })} />
-                <LengthField label="Picture, low" short="low" value={now.at[1]} min={-1e6} max={1e6} onChange={(y) => set({ at: [now.at[0], y] })} />
+                <LengthField of={t("Picture")} label={t("left")} value={now.at[0]} min={-1e6} max={1e6} onChange={(x) => set({ at: [x, now.at[1]] })} />
+                <LengthField of={t("Picture")} label={t("low")} value={now.at[1]} min={-1e6} max={1e6} onChange={(y) => set({ at: [now.at[0], y] })} />
             </div>
             <label class="scrub">
-                <span>How much of it is seen</span>
-                <input type="range" min={0.05} max={1} step={0.05} value={now.opacity} onChange={(event) => set({ opacity: event.currentTarget.valueAsNumber })} />
+                <span>{t("How much of it is seen")}</span>
+                <Range min={0.05} max={1} step={0.05} value={now.opacity} onChange={(opacity) => set({ opacity })} />
             </label>
-            <p class="note">The picture is drawn under the room and changes nothing else. It is kept with the scene in this browser, and is in no link.</p>
+            <p class="note">{t("The picture is drawn under the room and changes nothing else. It is kept with the scene in this browser, and is in no link.")}</p>
         </fieldset>
     );
 }

@@ -1,46 +1,48 @@
 // What is computed for longer than half a second, and the button that ends it.
 
 import type { Slow } from "./client";
+import { t } from "./language";
+import { Button } from "./parts";
 import type { Progress, Request } from "./protocol";
 import { client, stop } from "./session";
 
 /** Stages of a placing, for those who have never placed a crowd. */
 const STAGES = [
-    "People grow to full size",
-    "People are pushed apart",
-    "People are shaken free",
-    "People are pressed together",
-    "Some are taken out to see how many fit",
+    t("People grow to full size"),
+    t("People are pushed apart"),
+    t("People are shaken free"),
+    t("People are pressed together"),
+    t("Some are taken out to see how many fit"),
 ];
 /** A run is computed again. */
 const AGAIN = 5;
 
 const DOING: Record<Request["ask"], string> = {
-    person: "The person is made",
-    body: "The body is made",
-    kinds: "The kinds of people are read",
-    bicycle: "The bicycle is made",
-    show: "The scene is made",
-    room: "The room is drawn",
-    drawing: "The room is read",
-    overlaps: "Overlaps are looked for",
-    advance: "The run is computed",
-    forces: "Forces are computed",
-    flow: "People are counted",
-    map: "The map is computed",
-    limit: "The time above a limit is counted",
-    sections: "Bodies are cut",
-    bodies: "Bodies are made",
-    take: "The file is made",
+    person: t("The person is made"),
+    body: t("The body is made"),
+    kinds: t("The kinds of people are read"),
+    bicycle: t("The bicycle is made"),
+    show: t("The scene is made"),
+    room: t("The room is drawn"),
+    drawing: t("The room is read"),
+    overlaps: t("Overlaps are looked for"),
+    advance: t("The run is computed"),
+    forces: t("Forces are computed"),
+    flow: t("People are counted"),
+    map: t("The map is computed"),
+    limit: t("The time above a limit is counted"),
+    sections: t("Bodies are cut"),
+    bodies: t("Bodies are made"),
+    take: t("The file is made"),
 };
 
 function words({ ask, progress }: Slow): string {
     if (!progress) return DOING[ask];
-    return progress.stage === AGAIN ? `The run is computed again, step ${progress.iteration} of ${progress.limit}` : (STAGES[progress.stage] ?? DOING[ask]);
+    return progress.stage === AGAIN ? t("The run is computed again, step {iteration} of {limit}", { iteration: progress.iteration, limit: progress.limit }) : (STAGES[progress.stage] ?? DOING[ask]);
 }
 
 function details({ stage, iteration, density, overlap }: Progress): string {
-    return stage === AGAIN ? "" : `round ${iteration}: ${density.toFixed(2)} people per m², overlaps up to ${(1000 * overlap).toFixed(1)} mm`;
+    return stage === AGAIN ? "" : t("round {iteration}: {density} people per m², overlaps up to {overlap} mm", { iteration, density: density.toFixed(2), overlap: (1000 * overlap).toFixed(1) });
 }
 
 export function Busy() {
@@ -51,11 +53,9 @@ export function Busy() {
             <p role="status">{slow ? `${words(slow)} …` : ""}</p>
             {slow && (
                 <>
-                    {slow.progress && slow.progress.limit > 0 && <progress aria-label="Progress" max={slow.progress.limit} value={slow.progress.iteration} />}
+                    {slow.progress && slow.progress.limit > 0 && <progress aria-label={t("Progress")} max={slow.progress.limit} value={slow.progress.iteration} />}
                     <span>{slow.progress && details(slow.progress)}</span>
-                    <button type="button" onClick={stop}>
-                        Stop
-                    </button>
+                    <Button words={t("Stop")} onClick={stop} />
                 </>
             )}
         </div>

@@ -4,9 +4,9 @@ import { computed, signal } from "@preact/signals";
 import type { Client } from "./client";
 import { averaged, meanWords, round, type Scale, shade, FROM_GREY, VIRIDIS } from "./colour";
 import { table } from "./csv";
-import { type Inks, label } from "./draw";
+import { circle, type Inks, label, strokes } from "./draw";
 import type { Film } from "./film";
-import { translated } from "./language";
+import { count, type Plain, t } from "./language";
 import { digits } from "./parts";
 import { plan, type Plan } from "./plan";
 import { COLUMNS, type Grid, type Point } from "./protocol";
@@ -157,7 +157,7 @@ export class ByPlace {
         const other = this.beside.value;
         const largest = Math.max(this.#most(kind), other ? other.#most(kind) : 0);
         const density = kind === "density";
-        return { label: NAMES[kind], unit: density ? "per m²" : "N", low: 0, high: round(largest || 1), largest, ramp: density ? VIRIDIS : FROM_GREY.light };
+        return { label: t(NAMES[kind]), unit: density ? t("per m²") : "N", low: 0, high: round(largest || 1), largest, ramp: density ? VIRIDIS : FROM_GREY.light };
     }
 
     /** The value at a place. */
@@ -172,18 +172,19 @@ export class ByPlace {
     /** Of which time it is a mean, in words. */
     words(): string {
         const filled = this.filled.value;
-        if (!filled) return "no frames in this time";
+        if (!filled) return t("no frames in this time");
         const { first, last, frames, stride } = filled;
         const time = (k: number) => Number((k * this.film.scene.step).toPrecision(6));
-        const every = stride > 1 ? `, one of ${stride}` : "";
-        const squeeze = this.quantity === "squeeze" ? `. Squeeze: ${meanWords(this.film)}` : "";
-        return `${frames} ${frames === 1 ? "frame" : "frames"} from ${time(first)} to ${time(last)} s${every}${squeeze}`;
+        const every = stride > 1 ? t(", one of {stride}", { stride }) : "";
+        const squeeze = this.quantity === "squeeze" ? t(". Squeeze: {mean}", { mean: meanWords(this.film) }) : "";
+        const span = { from: time(first), to: time(last) };
+        return `${count(frames, "{n} frame", "{n} frames")} ${t("from {from} to {to} s", span)}${every}${squeeze}`;
     }
 
     /** How large its cells are, in words. */
     cells(): string {
-        const [wide, high] = this.filled.value!.grid.cell.map((size) => Number(size.toPrecision(3)));
-        return `cells of ${wide} m × ${high} m`;
+        const [wide, high] = this.filled.value!.grid.cell.map((size) => Number(size.toPrecision(3))) as [number, number];
+        return t("cells of {wide} m × {high} m", { wide, high });
     }
 
     #painted(kind: Kind, scale: Scale): HTMLCanvasElement | null {
@@ -241,15 +242,10 @@ export class ByPlace {
         const [x, y] = toPixels(view, at);
         const size = 7 * devicePixelRatio;
         context.setTransform(1, 0, 0, 1, 0, 0);
-        context.beginPath();
-        context.arc(x, y, size, 0, 2 * Math.PI);
-        for (const [colour, width] of [[inks.paper, 4], [inks.ink, 2]] as const) {
-            context.strokeStyle = colour;
-            context.lineWidth = width * devicePixelRatio;
-            context.stroke();
-        }
+        circle(context, [x, y], size);
+        strokes(context, [[inks.paper, 4 * devicePixelRatio], [inks.ink, 2 * devicePixelRatio]]);
         const side = y < 4 * size ? 1 : -1;
-        label(context, `${digits(largest, 3)} ${translated(unit)}`, toMetres(view, x, y + side * 2.4 * size), view, inks);
+        label(context, `${digits(largest, 3)} ${unit}`, toMetres(view, x, y + side * 2.4 * size), view, inks);
     }
 
     /** A row for each cell, from the lowest; of squeeze for those where somebody was. */
@@ -268,7 +264,7 @@ export class ByPlace {
     }
 }
 
-export const NAMES: Record<Kind, string> = { density: "Density", mean: "Mean squeeze", greatest: "Greatest squeeze" };
+export const NAMES: Record<Kind, Plain> = { density: "Density", mean: "Mean squeeze", greatest: "Greatest squeeze" };
 
 /** The map of the film on the stage, if one is shown. */
 export const byPlace = signal<ByPlace | null>(null);

@@ -10,10 +10,10 @@ import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
 import { throughWalls } from "./hints";
 import { kept } from "./kept";
-import { translated } from "./language";
+import { count, t } from "./language";
 import { empty, hovered, type Layers, show } from "./layout";
 import { paintArea, paintLine } from "./line";
-import { fits, fit, look, view, wheel, zoom } from "./look";
+import { fit, fits, fitted, look, view, zoom } from "./look";
 import { menu, openMenu } from "./menu";
 import { brief, digits } from "./parts";
 import { plan } from "./plan";
@@ -35,7 +35,7 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
     const painter = useMemo(() => new Painter(film.scene), [film]);
 
     const frame = () => {
-        const now = film.frameAt(film.place.value);
+        const now = film.frames.at(film.place.value);
         return tool.value?.frame?.(now) ?? now;
     };
     const paint = () => {
@@ -44,7 +44,7 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
         if (!on || on.width === 0) return;
         if (fits.value) {
             const further = [...reach(film), ...(tool.value?.extent?.() ?? [])];
-            const next = fitting(film.scene, film.frame(0), further, on.width, on.height);
+            const next = fitting(film.scene, film.frames.frame(0), further, on.width, on.height);
             untracked(() => (view.value = next));
         }
         const context = on.getContext("2d")!;
@@ -62,33 +62,24 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
     useEffect(() => {
         const on = element.current!;
         const hide = show(on);
-        const measure = () => {
+        const end = fitted(on, () => {
             inks.current = null;
-            [on.width, on.height] = [Math.round(on.clientWidth * devicePixelRatio), Math.round(on.clientHeight * devicePixelRatio)];
             size.value += 1;
-        };
-        const observer = new ResizeObserver(measure);
-        observer.observe(on);
-        const scheme = matchMedia("(prefers-color-scheme: dark)");
-        scheme.addEventListener("change", measure);
-        on.addEventListener("wheel", wheel, { passive: false });
+        });
         return () => {
-            observer.disconnect();
-            scheme.removeEventListener("change", measure);
-            on.removeEventListener("wheel", wheel);
+            end();
             hide();
         };
     }, []);
 
     const hands = useHands((at: Point) => painter.at(element.current!.getContext("2d")!, frame(), at));
-    const count = film.scene.agents.length;
     return (
         <canvas
             ref={element}
             class={active()?.draws?.() ? "draws" : hovered.value !== null ? "over-person" : undefined}
             tabIndex={0}
             role="application"
-            aria-label={`${count} ${count === 1 ? "person" : "people"} from above`}
+            aria-label={count(film.scene.agents.length, "{n} person from above", "{n} people from above")}
             aria-describedby="canvas-keys"
             onKeyDown={(event) => key(event, film)}
             {...hands}
@@ -135,7 +126,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     const { motion } = plan.value.made;
     const time = film.place.value * scene.step;
     paintWays(context, scene.ways, now, inks, null, tab === "motion");
-    for (const { at } of throughWalls(scene)) label(context, translated("✕ wall"), at, now, inks);
+    for (const { at } of throughWalls(scene)) label(context, t("✕ wall"), at, now, inks);
     paintPlaces(context, scene.targets, now, inks);
     if (motion.kind === "push" && !empty.value) for (const push of motion.pushes) paintPush(context, push, time, now, inks);
     if (line) paintLine(context, line, now, inks);
@@ -163,7 +154,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
 export function valueAt(at: Point): string {
     const [kind, places] = [mapKind.value, byPlace.value];
     const value = kind && places ? places.at(kind, at) : NaN;
-    return Number.isNaN(value) ? "" : `${translated(NAMES[kind!])}: ${digits(value, 3)} ${translated(places!.scale(kind!).unit)}`;
+    return Number.isNaN(value) ? "" : `${t(NAMES[kind!])}: ${digits(value, 3)} ${places!.scale(kind!).unit}`;
 }
 
 /** So many pixels above a place; where the picture ends there, so many below it. */
@@ -179,7 +170,7 @@ function told(film: Film, agent: number): string {
     const of = (column: number) => film.frames.number(k, agent, column);
     const squeeze = film.frames.squeezeMean(k, averaged(film))[agent]!;
     const contacts = of(7);
-    const touching = translated(`${contacts} ${contacts === 1 ? "contact" : "contacts"}`);
+    const touching = count(contacts, "{n} contact", "{n} contacts");
     return `${brief(film.scene.agents[agent]!.id)}: ${Math.hypot(of(3), of(4)).toFixed(2)} m/s, ${digits(squeeze, 3)} N, ${touching}`;
 }
 
@@ -192,7 +183,7 @@ function openAt(on: HTMLCanvasElement, at: Point, agent: number | null) {
 
 /** The menu of who is selected, for those who have no mouse. */
 function openByKey(on: HTMLCanvasElement, film: Film) {
-    const frame = film.frame(film.shown.value);
+    const frame = film.frames.frame(film.shown.value);
     const agent = selected.value !== null && isThere(frame, selected.value) ? selected.value : null;
     const at: Point = agent === null ? toMetres(view.value, on.width / 2, on.height / 2) : [frame[COLUMNS * agent]!, frame[COLUMNS * agent + 1]!];
     openAt(on, at, agent);
@@ -203,16 +194,16 @@ function key(event: KeyboardEvent, film: Film) {
     const helper = active();
     if (helper?.key?.(event)) return event.preventDefault();
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const count = film.scene.agents.length;
+    const people = film.scene.agents.length;
     const step = (by: number) => {
-        const shown = film.frame(film.shown.value);
-        let next = selected.value ?? (by > 0 ? -1 : count);
+        const shown = film.frames.frame(film.shown.value);
+        let next = selected.value ?? (by > 0 ? -1 : people);
         // Past those who have left.
-        for (let tries = 0; tries < count; tries++) {
-            next = (next + by + count) % count;
+        for (let tries = 0; tries < people; tries++) {
+            next = (next + by + people) % people;
             if (isThere(shown, next)) break;
         }
-        selected.value = count > 0 ? next : null;
+        selected.value = people > 0 ? next : null;
     };
     const directions: Record<string, Point> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     const direction = directions[event.key];
@@ -231,7 +222,7 @@ function key(event: KeyboardEvent, film: Film) {
 
 /** The next person that way: near, and not far off the line. */
 function towards(film: Film, [dx, dy]: Point) {
-    const frame = film.frame(film.shown.value);
+    const frame = film.frames.frame(film.shown.value);
     const from = selected.value;
     if (from === null) {
         selected.value = 0;

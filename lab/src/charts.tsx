@@ -4,26 +4,20 @@ import { effect, signal } from "@preact/signals";
 import { type ComponentChildren, Fragment } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import { Inside } from "./area";
-import type { Client } from "./client";
 import { averaged, meanWords } from "./colour";
 import type { Film } from "./film";
 import { Flow } from "./flow";
 import { SQUEEZE } from "./frames";
+import { count, t } from "./language";
 import { Choice, digits, named } from "./parts";
 import { change, type Plan, plan } from "./plan";
 import { grouped, groups, type Line, Plot } from "./plot";
 import type { Point } from "./protocol";
+import { selected } from "./session";
 import { lastOf } from "./transport";
 
 /** Milliseconds between two updates while it plays. */
 const PAUSE = 200;
-
-interface ChartsProps {
-    film: Film;
-    selected: number | null;
-    line: [Point, Point] | null;
-    client: Client;
-}
 
 /** Counts up when there are other frames or another one is shown, but not more often than every `PAUSE`. */
 function useSlowly(film: Film) {
@@ -51,22 +45,22 @@ function useSlowly(film: Film) {
     return turn.value;
 }
 
-export function Charts({ film, selected, line, client }: ChartsProps) {
+export function Charts({ film }: { film: Film }) {
     useSlowly(film);
     const { frames, scene } = film;
     const { ends } = groups(frames.count);
     const seconds = ends.map((k) => k * scene.step);
     const end = lastOf(film) * scene.step;
     const shown = Math.min(film.shown.peek(), frames.count - 1);
-    const agent = selected !== null && selected < scene.agents.length ? selected : null;
-    const name = agent !== null ? `Person ${named(scene.agents[agent]!.id)}` : "";
+    const agent = selected.value !== null && selected.value < scene.agents.length ? selected.value : null;
+    const name = agent !== null ? t("Person {id}", { id: named(scene.agents[agent]!.id) }) : "";
     const there = (k: number) => !Number.isNaN(frames.number(k, agent!, 0));
     const speed = (k: number) => (there(k) ? Math.hypot(frames.number(k, agent!, 3), frames.number(k, agent!, 4)) : NaN);
     const last = averaged(film);
     const squeeze = (k: number) => (there(k) ? frames.meanOf(k, last, agent!, SQUEEZE) : NaN);
-    const whole = `over ${digits(seconds.at(-1)!, 3)} s`;
+    const whole = digits(seconds.at(-1)!, 3);
 
-    const { area } = plan.value;
+    const { area, line } = plan.value;
     const inside = useMemo(() => area && new Inside(film, area), [film, JSON.stringify(area)]);
     inside?.follow();
     const time = digits(shown * scene.step, 3);
@@ -77,9 +71,9 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
         const now = given.map(([, value]) => fixed(value(shown)));
         const range = (row: (number | null)[]) => {
             const known = row.filter((value) => value !== null);
-            return `${fixed(Math.min(...known))} to ${fixed(Math.max(...known))} ${unit}`;
+            return { least: fixed(Math.min(...known)), most: fixed(Math.max(...known)) };
         };
-        const words = given.map(([{ label }], k) => `${label}: now ${now[k]} ${unit}, ${range(rows[k]!)} ${whole}`);
+        const words = given.map(([{ label }], k) => t("{label}: now {now} {unit}, {least} to {most} {unit} over {whole} s", { label, now: now[k]!, unit, whole, ...range(rows[k]!) }));
         return (
             <Plot
                 film={film}
@@ -102,35 +96,36 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
     const ofThose = (value: (k: number) => number) => (k: number) => (left(k) < scene.agents.length ? value(k) : NaN);
     const charts: Record<Chart, () => ComponentChildren> = {
         speed: () =>
-            curves("Speed", "m/s", 2, [
-                [{ label: "Mean of all", colour: "--one" }, ofThose(of("speed")), "mean"],
+            curves(t("Speed"), "m/s", 2, [
+                [{ label: t("Mean of all"), colour: "--one" }, ofThose(of("speed")), "mean"],
                 ...(agent === null ? [] : [[{ label: name, colour: "--three" }, speed, "mean"] as [Line, typeof speed, "mean"]]),
             ]),
-        mean: () => curves("Mean squeeze", "N", 0, [[{ label: "Of all", colour: "--one" }, ofThose(of("squeeze")), "mean"]]),
+        mean: () => curves(t("Mean squeeze"), "N", 0, [[{ label: t("Of all"), colour: "--one" }, ofThose(of("squeeze")), "mean"]]),
         greatest: () => {
             const greatest = frames.greatestMean(last);
-            return curves(`Greatest squeeze (${meanWords(film)})`, "N", 0, [
-                [{ label: "Of all", colour: "--two" }, ofThose((k) => greatest[k]!), "greatest"],
+            return curves(t("Greatest squeeze ({mean})", { mean: meanWords(film) }), "N", 0, [
+                [{ label: t("Of all"), colour: "--two" }, ofThose((k) => greatest[k]!), "greatest"],
                 ...(agent === null ? [] : [[{ label: name, colour: "--three" }, squeeze, "greatest"] as [Line, typeof squeeze, "greatest"]]),
             ]);
         },
-        left: () => scene.leaving > 0 && curves("Have left", "people", 0, [[{ label: "People", colour: "--one" }, left, "greatest"]]),
+        left: () => scene.leaving > 0 && curves(t("Have left"), t("people"), 0, [[{ label: t("People"), colour: "--one" }, left, "greatest"]]),
         density: () => area && inside && (
             <>
-                {curves("In the area", "per m²", 2, [[{ label: "People", colour: "--one" }, (k) => inside.counts[k]! / inside.size, "mean"]])}
+                {curves(t("In the area"), t("per m²"), 2, [[{ label: t("People"), colour: "--one" }, (k) => inside.counts[k]! / inside.size, "mean"]])}
                 <p class="note">
-                    {inside.counts[shown]} people on {digits(inside.size, 3)} m²{!Number.isNaN(inside.squeezes[shown]!) && `, their mean squeeze ${digits(inside.squeezes[shown]!, 3)} N`} (centres of mass inside; {time} s)
+                    {t("{n} people on {area} m²", { n: inside.counts[shown]!, area: digits(inside.size, 3) })}
+                    {!Number.isNaN(inside.squeezes[shown]!) && t(", their mean squeeze {squeeze} N", { squeeze: digits(inside.squeezes[shown]!, 3) })} {t("(centres of mass inside; {time} s)", { time })}
                 </p>
             </>
         ),
-        flow: () => line && <FlowChart film={film} line={line} client={client} ends={ends} end={end} />,
+        flow: () => line && <FlowChart film={film} line={line} ends={ends} end={end} />,
     };
     const offered = CHARTS.filter(([key]) => (key === "left" ? scene.leaving > 0 : key === "density" ? area : key !== "flow" || line));
     const chosen = plan.value.chart;
     const one = offered.some(([key]) => key === chosen);
     return (
-        <section class="charts" aria-label="Charts">
-            <Choice label="Chart" value={one || chosen === "all" ? chosen : "greatest"} choices={[...offered, ["all", "All of them"]]} onChange={(chart) => change({ chart })} />
+        <section class="charts" aria-label={t("Charts")}>
+            <Choice label={t("Chart")} value={one || chosen === "all" ? chosen : "greatest"} choices={[...offered, ["all", t("All of them")]]} onChange={(chart) => change({ chart })} />
             {chosen === "all" ? offered.map(([key]) => <Fragment key={key}>{charts[key]()}</Fragment>) : charts[one ? chosen : "greatest"]()}
         </section>
     );
@@ -138,16 +133,16 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
 
 type Chart = Exclude<Plan["chart"], "all">;
 const CHARTS: [Chart, string][] = [
-    ["greatest", "Greatest squeeze [N]"],
-    ["mean", "Mean squeeze [N]"],
-    ["speed", "Speed [m/s]"],
-    ["left", "Have left [people]"],
-    ["flow", "Crossed the line"],
-    ["density", "In the area [people per m²]"],
+    ["greatest", t("Greatest squeeze [N]")],
+    ["mean", t("Mean squeeze [N]")],
+    ["speed", t("Speed [m/s]")],
+    ["left", t("Have left [people]")],
+    ["flow", t("Crossed the line")],
+    ["density", t("In the area [people per m²]")],
 ];
 
-function FlowChart({ film, line, client, ends, end }: { film: Film; line: [Point, Point]; client: Client; ends: number[]; end: number }) {
-    const flow = useMemo(() => new Flow(client, film, line), [client, film, JSON.stringify(line)]);
+function FlowChart({ film, line, ends, end }: { film: Film; line: [Point, Point]; ends: number[]; end: number }) {
+    const flow = useMemo(() => new Flow(film, line), [film, JSON.stringify(line)]);
     const { step } = film.scene;
     useEffect(() => void flow.follow());
     if (flow.refused.value) return <p role="alert">{flow.refused.value}</p>;
@@ -160,21 +155,21 @@ function FlowChart({ film, line, client, ends, end }: { film: Film; line: [Point
     const words = ways.map((way) => {
         const mean = flow.mean(way, until);
         const total = flow.counts(way, [until])[0]!;
-        return `${flow.arrow(way)} ${total} people${mean === null ? "" : `, ${digits(mean, 3)} per second`}`;
+        return `${flow.arrow(way)} ${count(total, "{n} person", "{n} people")}${mean === null ? "" : t(", {flow} per second", { flow: digits(mean, 3) })}`;
     });
     return (
         <div>
             <Plot
                 film={film}
-                title="Crossed the line"
+                title={t("Crossed the line")}
                 unit=""
                 lines={ways.map((way, k) => ({ label: flow.arrow(way), colour: k ? "--two" : "--one", counts: true }))}
                 data={[there.map((k) => k * step), ...rows]}
                 end={end}
                 now={now}
-                summary={`People who crossed the line in ${digits(until * step, 3)} s: ${words.join("; ")}.`}
+                summary={t("People who crossed the line in {until} s: {words}.", { until: digits(until * step, 3), words: words.join("; ") })}
             />
-            <p class="note">{words.join("; ")} (until {digits(until * step, 3)} s; mean flow from the first to the last of them)</p>
+            <p class="note">{words.join("; ")} {t("(until {until} s; mean flow from the first to the last of them)", { until: digits(until * step, 3) })}</p>
         </div>
     );
 }

@@ -15,54 +15,35 @@ export function fits(check: Check<unknown>, given: unknown): boolean {
     }
 }
 
-export const number: Check<number> = (given) => {
-    if (typeof given !== "number" || !Number.isFinite(given)) throw new Unfit();
-    return given;
-};
-
-export function within(low: number, high: number): Check<number> {
+/** Takes what passes a test, as it is. */
+function only<T>(passes: (given: unknown) => boolean): Check<T> {
     return (given) => {
-        const found = number(given);
-        if (found < low || found > high) throw new Unfit();
-        return found;
+        if (!passes(given)) throw new Unfit();
+        return given as T;
     };
 }
 
-export const flag: Check<boolean> = (given) => {
-    if (typeof given !== "boolean") throw new Unfit();
-    return given;
-};
+export const number = only<number>(Number.isFinite);
+export const within = (low: number, high: number) => only<number>((given) => Number.isFinite(given) && (given as number) >= low && (given as number) <= high);
+export const flag = only<boolean>((given) => typeof given === "boolean");
+export const text = (most = 200) => only<string>((given) => typeof given === "string" && given.length <= most);
+export const one = <const T extends string>(...values: T[]) => only<T>((given) => values.includes(given as T));
+const array = (least: number, most: number) => only<unknown[]>((given) => Array.isArray(given) && given.length >= least && given.length <= most);
+const object = only<Record<string, unknown>>((given) => typeof given === "object" && given !== null && !Array.isArray(given));
 
-export function text(most = 200): Check<string> {
-    return (given) => {
-        if (typeof given !== "string" || given.length > most) throw new Unfit();
-        return given;
-    };
-}
-
-export function one<const T extends string>(...values: T[]): Check<T> {
-    return (given) => {
-        const found = values.find((value) => value === given);
-        if (found === undefined) throw new Unfit();
-        return found;
-    };
-}
-
-export function nullable<T>(check: Check<T>): Check<T | null> {
-    return (given) => (given === null ? null : check(given));
-}
+/** Older links do not have everything. */
+export const nullable = <T>(check: Check<T>): Check<T | null> => (given) => (given == null ? null : check(given));
+/** What is not there is left out: plans are compared as text. */
+export const optional = <T>(check: Check<T>): Check<T | undefined> => (given) => (given === undefined ? undefined : check(given));
 
 export function list<T>(item: Check<T>, most: number, least = 0): Check<T[]> {
-    return (given) => {
-        if (!Array.isArray(given) || given.length > most || given.length < least) throw new Unfit();
-        return given.map(item);
-    };
+    return (given) => array(least, most)(given).map(item);
 }
 
 export function tuple<T extends unknown[]>(...items: { [K in keyof T]: Check<T[K]> }): Check<T> {
     return (given) => {
-        if (!Array.isArray(given) || given.length !== items.length) throw new Unfit();
-        return items.map((item, k) => item(given[k])) as T;
+        const found = array(items.length, items.length)(given);
+        return items.map((item, k) => item(found[k])) as T;
     };
 }
 
@@ -77,11 +58,6 @@ export function dictionary<T>(item: Check<T>, most: number): Check<Record<string
 
 type Parts<T> = { [K in keyof T]-?: Check<T[K]> };
 
-function object(given: unknown): Record<string, unknown> {
-    if (typeof given !== "object" || given === null || Array.isArray(given)) throw new Unfit();
-    return given as Record<string, unknown>;
-}
-
 /** Only the parts that are named are taken. */
 export function record<T extends object>(parts: Parts<T>): Check<T> {
     return (given) => {
@@ -90,6 +66,14 @@ export function record<T extends object>(parts: Parts<T>): Check<T> {
         return Object.fromEntries(taken) as T;
     };
 }
+
+/** A form, and what has it at first. */
+export type Row<T> = readonly [form: Check<T>, first: T];
+export const row = <T>(form: Check<T>, first: NoInfer<T>): Row<T> => [form, first];
+export type OfRows<R> = { -readonly [K in keyof R]: R[K] extends Row<infer T> ? T : never };
+const column = (rows: object, k: 0 | 1) => Object.fromEntries(Object.entries(rows).map(([key, one]) => [key, one[k]])) as unknown;
+export const forms = <R extends object>(rows: R) => column(rows, 0) as Parts<OfRows<R>>;
+export const firsts = <R extends object>(rows: R) => column(rows, 1) as OfRows<R>;
 
 /** As `record`, but what is unfit is taken from `instead`; `left` is told what was there and did not fit. */
 export function patched<T extends object>(parts: Parts<T>, instead: T): (given: unknown, left: (key: keyof T) => void) => T {

@@ -1,6 +1,7 @@
 // Asks the worker. What is stopped, and what breaks it, is told to those who wait.
 
 import { signal } from "@preact/signals";
+import { engineText, t } from "./language";
 import type { Asked, Progress, Request, Told } from "./protocol";
 
 export interface Answer<T> {
@@ -57,7 +58,7 @@ export class Client {
             if (worker === this.#worker) this.#hear(told);
         };
         worker.onmessage = ({ data }: MessageEvent<Told>) => hear(data);
-        worker.onerror = (event) => hear({ broken: event.message || "it could not be started" });
+        worker.onerror = (event) => hear({ broken: event.message || t("it could not be started") });
         return worker;
     }
 
@@ -83,7 +84,7 @@ export class Client {
         if (next) next.since = now;
         // After a long one, another of its kind may follow: the button to stop it should not flicker.
         setTimeout(() => this.#look(), this.#long ? 100 : 0);
-        if ("refused" in told) waiting.failed(new Refused(told.refused));
+        if ("refused" in told) waiting.failed(new Refused(engineText(told.refused)));
         else waiting.done(told as Answer<never> & { id: number });
     }
 
@@ -102,7 +103,7 @@ export class Client {
     ask<T>(request: Request, bytes?: Uint8Array): Promise<Answer<T>> {
         const id = ++this.#last;
         const worker = this.#worker;
-        if (!worker) return Promise.reject(new Refused("nothing is computed any more, because the computation ended too often: load this page again"));
+        if (!worker) return Promise.reject(new Refused(t("nothing is computed any more, because the computation ended too often: load this page again")));
         return new Promise<Answer<T>>((done, failed) => {
             this.#waiting.set(id, { ask: request.ask, since: performance.now(), progress: null, done, failed });
             const asked: Asked = { id, request, bytes };

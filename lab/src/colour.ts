@@ -2,6 +2,7 @@
 
 import { signal } from "@preact/signals";
 import type { Film } from "./film";
+import { t } from "./language";
 import { type Colour, plan } from "./plan";
 import { COLUMNS } from "./protocol";
 
@@ -18,7 +19,7 @@ export const FROM_GREY: Record<"light" | "dark", Ramp> = {
 };
 
 const scheme = matchMedia("(prefers-color-scheme: dark)");
-const dark = signal(scheme.matches);
+export const dark = signal(scheme.matches);
 scheme.addEventListener("change", () => (dark.value = scheme.matches));
 
 /** Between them, finely. */
@@ -42,8 +43,7 @@ function shadesOf(ramp: Ramp): Shade[] {
             const [from, to] = [part(ramp[low]!, at), part(ramp[low + 1]!, at)];
             return Math.round(from + (place - low) * (to - from));
         }) as [number, number, number];
-        const luma = 0.299 * mixed[0] + 0.587 * mixed[1] + 0.114 * mixed[2];
-        return { fill: `rgb(${mixed.join(" ")})`, rim: luma < 130 ? "#ffffff" : "#1b1b1b" };
+        return shadeOf(mixed);
     });
     known.set(ramp, shades);
     return shades;
@@ -57,19 +57,19 @@ const KINDS: Record<"light" | "dark", { colours: string[]; paper: string; none: 
 
 const part = (text: string, at: number) => Number.parseInt(text.slice(at, at + 2), 16);
 
-function shadeOf(colour: string): Shade {
-    const [red, green, blue] = [1, 3, 5].map((at) => part(colour, at)) as [number, number, number];
+const parts = (text: string) => [1, 3, 5].map((at) => part(text, at)) as [number, number, number];
+
+function shadeOf([red, green, blue]: [number, number, number]): Shade {
     return { fill: `rgb(${red} ${green} ${blue})`, rim: 0.299 * red + 0.587 * green + 0.114 * blue < 130 ? "#ffffff" : "#1b1b1b" };
 }
 
 /** The colour of the k-th kind: after seven, paler ones follow. Below 0: of no kind. */
 function kindShade(k: number): Shade {
     const { colours, paper, none } = KINDS[dark.value ? "dark" : "light"];
-    if (k < 0) return shadeOf(none);
-    const colour = colours[k % colours.length]!;
-    if (k < colours.length) return shadeOf(colour);
-    const mixed = [1, 3, 5].map((at) => Math.round((part(colour, at) + part(paper, at)) / 2).toString(16).padStart(2, "0"));
-    return shadeOf(`#${mixed.join("")}`);
+    if (k < 0) return shadeOf(parts(none));
+    const colour = parts(colours[k % colours.length]!);
+    const ground = parts(paper);
+    return shadeOf(k < colours.length ? colour : (colour.map((one, j) => Math.round((one + ground[j]!) / 2)) as typeof colour));
 }
 
 /** Things look the same whatever colours say of people: metal, and luggage. */
@@ -114,26 +114,25 @@ export function averaged({ scene: { step } }: Film) {
 /** The time over which the squeeze is a mean really: whole communication steps, at the start of a run fewer. */
 export function meanWords(film: Film, k = Infinity) {
     const steps = Math.max(1, Math.min(k, averaged(film)));
-    const seconds = `${Number((steps * film.scene.step).toPrecision(6))} s`;
-    return steps === 1 ? `mean of 1 step (${seconds})` : `mean of ${seconds}`;
+    const seconds = Number((steps * film.scene.step).toPrecision(6));
+    return steps === 1 ? t("mean of 1 step ({seconds} s)", { seconds }) : t("mean of {seconds} s", { seconds });
 }
 
 /** Name and unit, the low end, and what no automatic scale's high end goes below. */
 const SCALES: Record<Exclude<Colour, "kind">, [string, string, number, number]> = {
-    speed: ["Speed", "m/s", 0, 0.5],
-    squeeze: ["Squeeze", "N", 200, 400],
-    contacts: ["Contacts", "", 0, 4],
+    speed: [t("Speed"), "m/s", 0, 0.5],
+    squeeze: [t("Squeeze"), "N", 200, 400],
+    contacts: [t("Contacts"), "", 0, 4],
 };
 /** The column of a frame. */
 const CONTACTS = 7;
 /** The automatic scale ends at this quantile of all values that are not 0, of people and frames. */
 export const QUANTILE = 0.98;
 
-/** A round value that is not below. */
-export function round(value: number) {
+/** A round value that is not below: one of some factors times a power of ten. */
+export function round(value: number, factors = [1, 1.5, 2, 3, 4, 5, 6, 8]) {
     const size = 10 ** Math.floor(Math.log10(value));
-    const by = [1, 1.5, 2, 3, 4, 5, 6, 8].find((factor) => factor * size >= value) ?? 10;
-    return by * size;
+    return size * (factors.find((factor) => factor * size >= value) ?? 10);
 }
 
 /** What is coloured of each person, in a frame. */
@@ -144,7 +143,7 @@ export function values(film: Film, k: number, wanted: Colour): Float64Array {
         return Float64Array.from(film.scene.agents, ({ kind }) => (kind === null ? -1 : kinds.indexOf(kind)));
     }
     if (colour === "squeeze") return film.frames.squeezeMean(k, averaged(film));
-    const frame = film.frame(k);
+    const frame = film.frames.frame(k);
     const count = film.scene.agents.length;
     const found = new Float64Array(count);
     for (let a = 0; a < count; a++) {
@@ -203,7 +202,7 @@ export function scaleOf(film: Film, wanted: Colour): Scale {
     if (colour === "kind") {
         const count = (name: string) => film.scene.agents.filter(({ kind }) => kind === name).length;
         const kinds = kindsOf(film).map((name, k) => ({ name, count: count(name), shade: kindShade(k) }));
-        return { kinds, label: "Kind", unit: "", low: 0, high: kinds.length, largest: 0, ramp: kinds.map(({ shade }) => shade.fill) };
+        return { kinds, label: t("Kind"), unit: "", low: 0, high: kinds.length, largest: 0, ramp: kinds.map(({ shade }) => shade.fill) };
     }
     const [label, unit, low, least] = SCALES[colour];
     const spread = spreadOf(film, colour);

@@ -15,13 +15,12 @@ import {
     MeshBasicMaterial,
     MeshLambertMaterial,
     type Object3D,
-    PlaneGeometry,
     Raycaster,
     RingGeometry,
     Vector2,
     Vector3,
 } from "three";
-import { type Scale, shade, THINGS } from "./colour";
+import { round, type Scale, shade, THINGS } from "./colour";
 import { isOpen } from "./draw";
 import { type Bodies, COLUMNS, isThere, type Scene } from "./protocol";
 import { free, setColour, type Space } from "./space";
@@ -47,9 +46,7 @@ export function lines(points: number[]): BufferGeometry {
 /** Distance of the lines on the ground, in m: a round number, so that there are at most about a hundred each way. */
 function spacing(size: number) {
     if (size <= 100) return size > 60 ? 5 : 1;
-    const least = size / 100;
-    const power = 10 ** Math.floor(Math.log10(least));
-    return power * ([1, 2, 5].find((factor) => factor * power >= least) ?? 10);
+    return round(size / 100, [1, 2, 5]);
 }
 
 export class Crowd3d {
@@ -65,7 +62,6 @@ export class Crowd3d {
     #pick = new MeshBasicMaterial({ side: DoubleSide });
     /** Who is selected: a ring at the feet, an arrow's tip over the head. */
     #mark = new Group();
-    #plane = new Mesh(new PlaneGeometry(1, 1), new MeshBasicMaterial({ transparent: true, opacity: 0.22, side: DoubleSide, depthWrite: false }));
     #known = new Map<string, Color>();
 
     constructor(
@@ -84,9 +80,6 @@ export class Crowd3d {
         if (low.x > high.x) see(0, 0);
         this.box = new Box3(new Vector3(low.x + 0.5, low.y + 0.5, 0), new Vector3(high.x - 0.5, high.y - 0.5, 1.8));
         this.grid = spacing(low.distanceTo(high));
-        this.#plane.scale.set(high.x - low.x, high.y - low.y, 1);
-        this.box.getCenter(this.#plane.position);
-        this.#plane.visible = false;
         this.#mark.visible = false;
         const tip = new Mesh(new ConeGeometry(0.13, 0.3, 24).rotateX(-Math.PI / 2), this.#pick);
         tip.position.z = 2.35;
@@ -94,7 +87,7 @@ export class Crowd3d {
         const fixed = this.scene.walls.filter(({ open }) => !open);
         this.#doors = this.scene.walls.filter(({ open }) => open).map((wall) => ({ wall, parts: this.#walls([wall]) }));
         this.#still.add(this.#ground(low, high), ...this.#walls(fixed), ...this.#doors.flatMap(({ parts }) => parts));
-        space.scene.add(this.#still, this.#mark, this.#plane);
+        space.scene.add(this.#still, this.#mark);
         this.recolour();
     }
 
@@ -129,7 +122,6 @@ export class Crowd3d {
     recolour() {
         for (const part of this.#still.children as Mesh<BufferGeometry, MeshBasicMaterial>[]) part.material.color.copy(this.space.colour(part.name));
         this.#pick.color.copy(this.space.colour("--pick"));
-        this.#plane.material.color.copy(this.space.colour("--main"));
     }
 
     /** The surfaces of all agents. */
@@ -184,13 +176,6 @@ export class Crowd3d {
         return colour;
     }
 
-    /** A plane at an altitude in m. */
-    cut(altitude: number | null) {
-        this.#plane.visible = altitude !== null;
-        if (altitude !== null) this.#plane.position.z = altitude;
-        this.space.draw();
-    }
-
     /** The agent at a place of the canvas, in pixels of the page. */
     at(x: number, y: number): number | null {
         const { canvas, camera } = this.space;
@@ -205,6 +190,6 @@ export class Crowd3d {
     }
 
     dispose() {
-        for (const part of [...this.#bodies, this.#still, this.#mark, this.#plane]) free(part);
+        for (const part of [...this.#bodies, this.#still, this.#mark]) free(part);
     }
 }

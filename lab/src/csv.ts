@@ -3,6 +3,7 @@
 import { averaged } from "./colour";
 import type { Film } from "./film";
 import { meanFlow } from "./flow";
+import type { Curve } from "./frames";
 import { save } from "./parts";
 import { scene } from "./plan";
 import { COLUMNS, type Point } from "./protocol";
@@ -48,20 +49,14 @@ export function saveOfRun(film: Film, what: string, content: string, settings = 
 /** The curves of the charts, a row for each frame up to the last one that was shown or asked for. */
 export function curvesCsv(film: Film, agent: number | null): string {
     const { frames } = film;
-    const [speed, squeeze, greatest, contacts, left] = (["speed", "squeeze", "greatest", "contacts", "left"] as const).map((name) => frames.curve(name)) as [
-        Float32Array,
-        Float32Array,
-        Float32Array,
-        Float32Array,
-        Float32Array,
-    ];
+    const curve = (name: Curve, k: number) => frames.curve(name)[k]!;
     const means = frames.greatestMean(averaged(film));
     const over = Number((averaged(film) * film.scene.step).toPrecision(6));
     const id = agent === null ? "" : film.scene.agents[agent]!.id;
     const own = agent === null ? [] : [`speed_of_${id} [m/s]`, `squeeze_of_${id} [N]`];
     const rows: (string | number)[][] = [["t [s]", "mean_speed [m/s]", "mean_squeeze [N]", "greatest_squeeze [N]", `greatest_mean_of_${over}_s [N]`, "mean_contacts", "left", ...own]];
     for (let k = 0; k <= film.reached.value; k++) {
-        const row = [time(film, k), speed[k]!, squeeze[k]!, greatest[k]!, means[k]!, contacts[k]!, left[k]!];
+        const row = [time(film, k), curve("speed", k), curve("squeeze", k), curve("greatest", k), means[k]!, curve("contacts", k), curve("left", k)];
         if (agent !== null) {
             const there = !Number.isNaN(frames.number(k, agent, 0));
             row.push(there ? Math.hypot(frames.number(k, agent, 3), frames.number(k, agent, 4)) : NaN, there ? frames.number(k, agent, 6) : NaN);
@@ -111,12 +106,12 @@ export function leavingCsv(film: Film): string {
 }
 
 /** How many have left by each exit, and people per second from the first to the last of them. */
-export function perExit(film: Film): { name: string; count: number; flow: number | null }[] {
+export function perExit(film: Film): { name: string; people: number; flow: number | null }[] {
     const all = leavings(film);
     return film.scene.targets
         .filter(({ stay }) => !stay)
         .map(({ name }) => {
             const frames = all.filter(({ exit }) => exit === name).map(({ frame }) => frame);
-            return { name, count: frames.length, flow: meanFlow(frames.length, frames[0] ?? 0, frames.at(-1) ?? 0, film.scene.step) };
+            return { name, people: frames.length, flow: meanFlow(frames.length, frames[0] ?? 0, frames.at(-1) ?? 0, film.scene.step) };
         });
 }

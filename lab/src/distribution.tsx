@@ -1,6 +1,8 @@
 // How often the values of a measure are in the survey.
 
-import type { MeasureShown } from "./protocol";
+import { round } from "./colour";
+import { capital, engineText, t } from "./language";
+import type { MeasureShown, Sex } from "./protocol";
 
 const [WIDTH, HEIGHT, FOOT] = [320, 70, 18];
 /** Most bars and ticks. */
@@ -16,12 +18,6 @@ function below(quantiles: number[], value: number): number {
     return (k + (to > from ? (value - from) / (to - from) : 0)) / last;
 }
 
-/** 1, 2 or 5 times a power of ten. */
-function roundStep(size: number) {
-    const power = 10 ** Math.floor(Math.log10(size));
-    return power * ([1, 2, 5].find((step) => step * power >= size) ?? 10);
-}
-
 interface Bar {
     from: number;
     to: number;
@@ -30,7 +26,7 @@ interface Bar {
 
 function barsOf(quantiles: number[], by: number): Bar[] {
     const [low, high] = [by * quantiles[0]!, by * quantiles.at(-1)!];
-    const step = roundStep((high - low) / BARS);
+    const step = round((high - low) / BARS, [1, 2, 5]);
     const bars: Bar[] = [];
     for (let k = Math.floor(low / step); k * step < high; k++) {
         const [from, to] = [k * step, (k + 1) * step];
@@ -44,11 +40,12 @@ interface DistributionProps {
     /** From the measure's unit to the one that is shown. */
     by: number;
     unit: string;
-    people: string;
+    sex: Sex;
 }
 
-export function Distribution({ measure, by, unit, people }: DistributionProps) {
-    const { name, quantiles, value, rank } = measure;
+export function Distribution({ measure, by, unit, sex }: DistributionProps) {
+    const { quantiles, value, rank } = measure;
+    const name = engineText(measure.name);
     const bars = barsOf(quantiles, by);
     const [low, high] = [bars[0]!.from, bars.at(-1)!.to];
     const step = bars[0]!.to - low;
@@ -57,11 +54,14 @@ export function Distribution({ measure, by, unit, people }: DistributionProps) {
     const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
     const words = (value: number) => value.toFixed(decimals);
     const here = Math.max(0, Math.min(WIDTH, x(by * value)));
-    const tick = roundStep((high - low) / TICKS);
+    const tick = round((high - low) / TICKS, [1, 2, 5]);
     const ticks: number[] = [];
     for (let k = Math.ceil(low / tick - 1e-9); k * tick <= high + 1e-9; k++) ticks.push(k * tick);
     const median = (by * quantiles[Math.floor(quantiles.length / 2)]!).toFixed(1);
-    const share = rank <= 0 ? `less than all ${people}` : rank >= 1 ? `more than all ${people}` : `more than ${percent(rank)} of the ${people}`;
+    const men = sex === "male";
+    const all = rank <= 0 ? (men ? t("less than all men") : t("less than all women")) : men ? t("more than all men") : t("more than all women");
+    const share = rank > 0 && rank < 1 ? moreThan(percent(rank), sex) : all;
+    const half = { median, unit };
     return (
         <figure class="distribution">
             <figcaption>
@@ -73,15 +73,13 @@ export function Distribution({ measure, by, unit, people }: DistributionProps) {
             <svg
                 viewBox={`-14 0 ${WIDTH + 28} ${HEIGHT + FOOT}`}
                 role="img"
-                aria-label={`${name} in ${unit}, from ${words(low)} to ${words(high)}: ${share}. Half of the ${people} have less than ${median} ${unit}.`}
+                aria-label={`${t("{name} in {unit}, from {low} to {high}: {share}.", { name, unit, low: words(low), high: words(high), share })} ${men ? t("Half of the men have less than {median} {unit}.", half) : t("Half of the women have less than {median} {unit}.", half)}`}
             >
                 {bars.map(({ from, to, share }) => {
                     const height = (HEIGHT * share) / most;
                     return (
                         <rect key={from} x={x(from) + 0.5} width={Math.max(0.5, x(to) - x(from) - 1)} y={HEIGHT - height} height={height} class="bar">
-                            <title>
-                                {words(from)} to {words(to)} {unit}: {percent(share)}
-                            </title>
+                            <title>{t("{from} to {to} {unit}: {share}", { from: words(from), to: words(to), unit, share: percent(share) })}</title>
                         </rect>
                     );
                 })}
@@ -97,8 +95,9 @@ export function Distribution({ measure, by, unit, people }: DistributionProps) {
     );
 }
 
-export function capital(words: string) {
-    return words[0]!.toUpperCase() + words.slice(1);
+/** How many of the survey have less. */
+export function moreThan(share: string, sex: Sex) {
+    return sex === "male" ? t("more than {share} of the men", { share }) : t("more than {share} of the women", { share });
 }
 
 function percent(share: number) {

@@ -10,6 +10,35 @@ export function isOpen(open: OpenTime[] | undefined, time: number): boolean {
     return open?.some(([from, to]) => time + 1e-9 >= from && time + 1e-9 < to) ?? false;
 }
 
+/** Begins a path through corners. */
+export function through(context: CanvasRenderingContext2D, corners: readonly Point[], closed = false) {
+    context.beginPath();
+    corners.forEach(([x, y], k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));
+    if (closed) context.closePath();
+}
+
+/** Strokes it several times: a thinner line lies on a wider one. */
+export function strokes(context: CanvasRenderingContext2D, pens: readonly (readonly [colour: string, width: number])[]) {
+    for (const [colour, width] of pens) {
+        context.strokeStyle = colour;
+        context.lineWidth = width;
+        context.stroke();
+    }
+}
+
+/** Begins a circle. */
+export function circle(context: CanvasRenderingContext2D, [x, y]: Point, radius: number) {
+    context.beginPath();
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+}
+
+/** A handle: a square that can be dragged. */
+export function handle(context: CanvasRenderingContext2D, [x, y]: Point, half: number, fill: string) {
+    context.fillStyle = fill;
+    context.fillRect(x - half, y - half, 2 * half, 2 * half);
+    context.strokeRect(x - half, y - half, 2 * half, 2 * half);
+}
+
 export function outline(disks: Disk[]): Path2D {
     const path = new Path2D();
     for (const [x, y, radius] of disks) {
@@ -113,8 +142,7 @@ export class Painter {
                     context.fillRect(right - half, down - half, 2 * half, 2 * half);
                     continue;
                 }
-                context.beginPath();
-                context.arc(right, down, half, 0, 2 * Math.PI);
+                circle(context, [right, down], half);
                 context.fill();
             }
         }
@@ -178,11 +206,8 @@ export class Painter {
             context.lineTo(x + 0.03 * cos - 0.06 * sin, y + 0.03 * sin + 0.06 * cos);
         }
         // Light on dark, or it would not be seen on half of the colours.
-        for (const [colour, width] of [["rgb(0 0 0 / 0.6)", 3], ["#ffffff", 1.5]] as const) {
-            context.strokeStyle = colour;
-            context.lineWidth = (width * devicePixelRatio) / view.scale;
-            context.stroke();
-        }
+        const pixel = devicePixelRatio / view.scale;
+        strokes(context, [["rgb(0 0 0 / 0.6)", 3 * pixel], ["#ffffff", 1.5 * pixel]]);
     }
 
     /** Feet, as if they were seen through the bodies, and lines from there to the centres of mass. */
@@ -237,12 +262,9 @@ export class Painter {
     #halo(context: CanvasRenderingContext2D, frame: Float32Array, a: number, view: View, inks: Inks) {
         const [x, y] = [frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!];
         inMetres(context, view);
-        context.beginPath();
-        context.arc(x, y, 0.4, 0, 2 * Math.PI);
+        circle(context, [x, y], 0.4);
         context.setLineDash([0.08, 0.05]);
-        context.lineWidth = (2 * devicePixelRatio) / view.scale;
-        context.strokeStyle = inks.pick;
-        context.stroke();
+        strokes(context, [[inks.pick, (2 * devicePixelRatio) / view.scale]]);
         context.setLineDash([]);
     }
 
@@ -298,8 +320,7 @@ export function paintPush(context: CanvasRenderingContext2D, push: Push, time: n
     const acting = pulse(push, time);
     context.strokeStyle = inks.mark;
     context.fillStyle = inks.mark;
-    context.beginPath();
-    context.arc(...push.at, push.radius, 0, 2 * Math.PI);
+    circle(context, push.at, push.radius);
     context.globalAlpha = 0.08 + 0.4 * acting;
     context.fill();
     context.globalAlpha = 1;
@@ -307,27 +328,20 @@ export function paintPush(context: CanvasRenderingContext2D, push: Push, time: n
     context.setLineDash([6 * pixel, 4 * pixel]);
     context.stroke();
     context.setLineDash([]);
-    paintArrow(context, push.at, tip(push), (3 + 3 * acting) * pixel, inks.paper);
+    paintArrow(context, push.at, tip(push), (3 + 3 * acting) * pixel, inks.mark, inks.paper);
 }
 
 /** In metres; with a thin rim of another colour, to be seen on people. */
-function paintArrow(context: CanvasRenderingContext2D, from: Point, to: Point, width: number, rim: string) {
+function paintArrow(context: CanvasRenderingContext2D, from: Point, to: Point, width: number, ink: string, rim: string) {
     const angle = Math.atan2(to[1] - from[1], to[0] - from[0]);
     const head = Math.min(5 * width, Math.hypot(to[0] - from[0], to[1] - from[1]));
     const back = (turn: number): Point => [to[0] - head * Math.cos(angle + turn), to[1] - head * Math.sin(angle + turn)];
-    const own = context.strokeStyle;
-    for (const [colour, by] of [[rim, 2], [own, 1]] as const) {
-        context.strokeStyle = colour;
-        context.lineWidth = by * width;
-        context.lineCap = "round";
-        context.beginPath();
-        context.moveTo(...from);
-        context.lineTo(...to);
-        context.moveTo(...back(0.5));
-        context.lineTo(...to);
-        context.lineTo(...back(-0.5));
-        context.stroke();
-    }
+    context.lineCap = "round";
+    through(context, [from, to]);
+    context.moveTo(...back(0.5));
+    context.lineTo(...to);
+    context.lineTo(...back(-0.5));
+    strokes(context, [[rim, 2 * width], [ink, width]]);
 }
 
 export function paintWays(context: CanvasRenderingContext2D, ways: Waypoint[][], view: View, inks: Inks, picked: number | null = null, numbered = true) {
@@ -337,12 +351,10 @@ export function paintWays(context: CanvasRenderingContext2D, ways: Waypoint[][],
         context.strokeStyle = inks.way;
         context.fillStyle = inks.way;
         context.lineWidth = (w === picked ? 3.5 : 2) * pixel;
-        context.beginPath();
-        way.forEach(({ x, y }, k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));
+        through(context, way.map(({ x, y }) => [x, y]));
         context.stroke();
         for (const { x, y, radius } of way) {
-            context.beginPath();
-            context.arc(x, y, radius, 0, 2 * Math.PI);
+            circle(context, [x, y], radius);
             context.globalAlpha = 0.12;
             context.fill();
             context.globalAlpha = 1;
@@ -384,16 +396,8 @@ export function paintBar(context: CanvasRenderingContext2D, view: View, unit: "m
     const [left, low, right] = [12 * pixel, height - 12 * pixel, 12 * pixel + length * view.scale];
     context.setTransform(1, 0, 0, 1, 0, 0);
     const words = unit === "cm" && length < 10 ? `${Number((100 * length).toPrecision(2))} cm` : `${Number(length.toPrecision(2))} m`;
-    for (const [colour, width] of [[inks.paper, 5], [inks.ink, 2]] as const) {
-        context.strokeStyle = colour;
-        context.lineWidth = width * pixel;
-        context.lineCap = "butt";
-        context.beginPath();
-        context.moveTo(left, low - 5 * pixel);
-        context.lineTo(left, low);
-        context.lineTo(right, low);
-        context.lineTo(right, low - 5 * pixel);
-        context.stroke();
-    }
+    context.lineCap = "butt";
+    through(context, [[left, low - 5 * pixel], [left, low], [right, low], [right, low - 5 * pixel]]);
+    strokes(context, [[inks.paper, 5 * pixel], [inks.ink, 2 * pixel]]);
     label(context, words, toMetres(view, (left + right) / 2, low - 12 * pixel), view, inks);
 }

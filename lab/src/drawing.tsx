@@ -5,7 +5,8 @@ import { useState } from "preact/hooks";
 import { Refused } from "./client";
 import { isVector, setPicture } from "./backdrop";
 import { crowdFits, MOST, roomFits } from "./forms";
-import { Check, Choice, NumberField } from "./parts";
+import { t } from "./language";
+import { Button, Check, Choice, NumberField } from "./parts";
 import { FIRST_WISHES, shaped } from "./places";
 import { arrived, change, plan } from "./plan";
 import type { DrawingRequest, Door, Motion, Proposed, Understood } from "./protocol";
@@ -87,7 +88,7 @@ function make({ given, found }: Drawing) {
     if (!found?.room) return;
     const { room, distributions, area } = found;
     if (!roomFits(room)) {
-        throw new Error(`"${given.file.name}": this page takes up to ${MOST.walls} walls, each with up to ${MOST.outline} corners, and up to ${MOST.parts} doors; this room has more`);
+        throw new Error(t('"{name}": this page takes up to {walls} walls, each with up to {outline} corners, and up to {parts} doors; this room has more', { name: given.file.name, walls: MOST.walls, outline: MOST.outline, parts: MOST.parts }));
     }
     const { crowd } = plan.value;
     // Not more than stand at ease.
@@ -95,9 +96,9 @@ function make({ given, found }: Drawing) {
     const next = { ...crowd, room, region: (region.value && distributions[0]) || null, number, density: null };
     const places = exits.value ? found.exits.map(({ name, corners }) => shaped({ name: name.slice(0, MOST.name), line: null, polygon: null, share: null, open: null }, corners)) : [];
     const large = places.length > MOST.places || places.some(({ polygon }) => (polygon?.length ?? 0) > MOST.corners);
-    if (large) throw new Error(`"${given.file.name}": this page takes up to ${MOST.places} exits with up to ${MOST.corners} corners: leave its exits out`);
+    if (large) throw new Error(t('"{name}": this page takes up to {places} exits with up to {corners} corners: leave its exits out', { name: given.file.name, places: MOST.places, corners: MOST.corners }));
     const motion: Motion = places.length > 0 ? { kind: "go", wishes: { ...FIRST_WISHES, exits: places } } : { kind: "none" };
-    if (!crowdFits(next)) throw new Error(`"${given.file.name}": this page takes up to ${MOST.corners} corners of the area where people stand: leave that area out`);
+    if (!crowdFits(next)) throw new Error(t('"{name}": this page takes up to {corners} corners of the area where people stand: leave that area out', { name: given.file.name, corners: MOST.corners }));
     const base = { kind: "crowd" as const, ...next };
     making = JSON.stringify(base);
     // At once: what is changed afterwards would be kept before it is shown.
@@ -108,13 +109,13 @@ function make({ given, found }: Drawing) {
 }
 
 const UNITS = [
-    ["", "as the file says"],
+    ["", t("as the file says")],
     ["1", "m"],
     ["0.01", "cm"],
     ["0.001", "mm"],
-    ["0.0254", "in"],
-    ["0.3048", "ft"],
-    ["other", "another length"],
+    ["0.0254", t("in")],
+    ["0.3048", t("ft")],
+    ["other", t("another length")],
 ] as const;
 
 export function DrawingPanel() {
@@ -127,24 +128,20 @@ export function DrawingPanel() {
     return (
         <fieldset class="fields plan">
             <legend>
-                Plan <span translate={false}>"{name}"</span>
+                Plan "{name}"
             </legend>
             {refused && (
-                <p role="alert" translate={false}>
-                    {refused}
-                </p>
+                <p role="alert">{refused}</p>
             )}
             {found?.room && (!found.doubt || asDrawn.value) && <Sketch base={{ kind: "crowd", ...plan.value.crowd, room: found.room, region: (region.value && found.distributions[0]) || null }} exits={exits.value ? found.exits.map(({ corners }) => corners) : []} />}
             {found && (
-                <table class="facts" aria-label="What was understood">
+                <table class="facts" aria-label={t("What was understood")}>
                     <tbody>
                         {found.said.map(([what, how], k) => (
                             // Several things can be left out.
                             <tr key={k} class={what === "warning" ? "warned" : undefined}>
-                                <th scope="row" translate={false}>
-                                    {what}
-                                </th>
-                                <td translate={false}>{how}</td>
+                                <th scope="row">{what}</th>
+                                <td>{how}</td>
                             </tr>
                         ))}
                     </tbody>
@@ -152,32 +149,26 @@ export function DrawingPanel() {
             )}
             {!name.endsWith(".xml") && (
                 <>
-                    <Choice label="Unit of the plan" value={unit} choices={UNITS} onChange={(key) => again({ unit: key === "" ? null : key === "other" ? 0.05 : Number(key) })} />
-                    {unit === "other" && <NumberField label="Length of a unit" unit="m" value={wanted.unit!} min={1e-6} max={1e6} step={0.01} onChange={(length) => again({ unit: length })} />}
-                    <NumberField label="Close gaps up to" unit="cm" value={Number((100 * (wanted.close ?? 0)).toFixed(4))} min={0} max={1000} step={0.5} onChange={(gap) => again({ close: gap > 0 ? gap / 100 : null })} />
-                    <Check label="Lower left corner at 0, 0" value={wanted.origin} onChange={(origin) => again({ origin })} />
+                    <Choice label={t("Unit of the plan")} value={unit} choices={UNITS} onChange={(key) => again({ unit: key === "" ? null : key === "other" ? 0.05 : Number(key) })} />
+                    {unit === "other" && <NumberField label={t("Length of a unit")} unit="m" value={wanted.unit!} min={1e-6} max={1e6} step={0.01} onChange={(length) => again({ unit: length })} />}
+                    <NumberField label={t("Close gaps up to")} unit="cm" value={Number((100 * (wanted.close ?? 0)).toFixed(4))} min={0} max={1000} step={0.5} onChange={(gap) => again({ close: gap > 0 ? gap / 100 : null })} />
+                    <Check label={t("Lower left corner at 0, 0")} value={wanted.origin} onChange={(origin) => again({ origin })} />
                 </>
             )}
             {found?.proposal && <Proposals key={`${asking}`} wanted={wanted} found={found} proposal={found.proposal} again={again} />}
             {found && !wanted.enclosed && found.layers.length > 1 && <Layers wanted={wanted} layers={found.layers} again={again} />}
-            {found && found.exits.length > 0 && <Check label={`Take its exits (${found.exits.length})`} value={exits.value} onChange={(on) => (exits.value = on)} />}
-            {found && found.distributions.length > 0 && <Check label="People stand where the plan says" value={region.value} onChange={(on) => (region.value = on)} />}
-            {found && found.distributions.length > 1 && <p class="note">{`The plan has ${found.distributions.length} areas where people stand; the page takes the first one.`}</p>}
-            {found && found.waypoints > 0 && <p class="note">Way-points of a plan are not used here.</p>}
+            {found && found.exits.length > 0 && <Check label={t("Take its exits ({n})", { n: found.exits.length })} value={exits.value} onChange={(on) => (exits.value = on)} />}
+            {found && found.distributions.length > 0 && <Check label={t("People stand where the plan says")} value={region.value} onChange={(on) => (region.value = on)} />}
+            {found && found.distributions.length > 1 && <p class="note">{t("The plan has {n} areas where people stand; the page takes the first one.", { n: found.distributions.length })}</p>}
+            {found && found.waypoints > 0 && <p class="note">{t("Way-points of a plan are not used here.")}</p>}
             <div class="buttons">
                 {found?.room && (
-                    <button type="button" class="main" disabled={asking || (found.doubt !== null && !asDrawn.value)} onClick={() => void attempt(async () => make(now))}>
-                        Make this room
-                    </button>
+                    <Button words={t("Make this room")} class="main" disabled={asking || (found.doubt !== null && !asDrawn.value)} onClick={() => void attempt(async () => make(now))} />
                 )}
                 {isVector(name) && (
-                    <button type="button" onClick={() => void attempt(() => setPicture(given.file).then(close))}>
-                        Lay it under the room as a picture
-                    </button>
+                    <Button words={t("Lay it under the room as a picture")} onClick={() => void attempt(() => setPicture(given.file).then(close))} />
                 )}
-                <button type="button" onClick={close}>
-                    Leave it
-                </button>
+                <Button words={t("Leave it")} onClick={close} />
             </div>
         </fieldset>
     );
@@ -189,9 +180,9 @@ function close() {
 }
 
 const USES = [
-    ["walls", "walls"],
-    ["obstacles", "obstacles"],
-    ["", "left out"],
+    ["walls", t("walls")],
+    ["obstacles", t("obstacles")],
+    ["", t("left out")],
 ] as const;
 type Use = (typeof USES)[number][0];
 
@@ -215,20 +206,18 @@ function Proposals({ wanted, found, proposal, again }: ProposalsProps) {
     const [outline, ...obstacles] = proposal.ground;
     return (
         <fieldset class="fields">
-            <legend>Proposals</legend>
+            <legend>{t("Proposals")}</legend>
             {found.doubt && (
-                <p role="alert" translate={false}>
-                    {found.doubt}
-                </p>
+                <p role="alert">{found.doubt}</p>
             )}
             {!taken && outline && <Sketch base={{ kind: "crowd", ...plan.value.crowd, room: { outline, obstacles, doors }, region: null }} />}
-            {!taken && <p class="note">The plan is in doubt: choose what its layers and gaps are.</p>}
+            {!taken && <p class="note">{t("The plan is in doubt: choose what its layers and gaps are.")}</p>}
             {proposal.layers.map(({ name, sort, lines }) => (
                 <label class="field" key={name}>
-                    <span translate={false} title={`${sort}: ${lines}`}>
+                    <span title={`${sort}: ${lines}`}>
                         {name || "—"} ({sort})
                     </span>
-                    <select value={uses.get(name)} aria-label={`Layer "${name}"`} onChange={(event) => setUses(new Map(uses).set(name, event.currentTarget.value as Use))}>
+                    <select value={uses.get(name)} aria-label={t('Layer "{name}"', { name })} onChange={(event) => setUses(new Map(uses).set(name, event.currentTarget.value as Use))}>
                         {USES.map(([key, words]) => (
                             <option key={key} value={key}>
                                 {words}
@@ -249,29 +238,25 @@ function Proposals({ wanted, found, proposal, again }: ProposalsProps) {
                                 if (taken) take(now);
                             }}
                         />
-                        <span translate={false}>
+                        <span>
                             {kind}: {said}
                         </span>
                     </label>
                 ) : (
-                    <p class="note" key={String(door.at)} translate={false}>
+                    <p class="note" key={String(door.at)}>
                         {kind}: {said}
                     </p>
                 ),
             )}
             {proposal.questions.length > 0 && (
-                <ul class="note" aria-label="Questions">
+                <ul class="note" aria-label={t("Questions")}>
                     {proposal.questions.map((question) => (
-                        <li key={question} translate={false}>
-                            {question}
-                        </li>
+                        <li key={question}>{question}</li>
                     ))}
                 </ul>
             )}
             <div class="buttons">
-                <button type="button" class={taken ? undefined : "main"} disabled={layers("walls").length === 0} onClick={() => take()}>
-                    Take what is chosen
-                </button>
+                <Button words={t("Take what is chosen")} class={taken ? undefined : "main"} disabled={layers("walls").length === 0} onClick={() => take()} />
                 <button
                     type="button"
                     onClick={() => {
@@ -279,7 +264,7 @@ function Proposals({ wanted, found, proposal, again }: ProposalsProps) {
                         again({ enclosed: false, obstacles: [], widest: null, doors: [], walls: [], close: null });
                     }}
                 >
-                    Take it as it is drawn
+                    {t("Take it as it is drawn")}
                 </button>
             </div>
         </fieldset>
@@ -295,12 +280,9 @@ function Layers({ wanted, layers, again }: { wanted: DrawingRequest; layers: str
     };
     return (
         <fieldset class="fields">
-            <legend>Layers with walls</legend>
+            <legend>{t("Layers with walls")}</legend>
             {layers.map((layer) => (
-                <label class="check" key={layer}>
-                    <input type="checkbox" checked={taken.includes(layer)} onChange={(event) => set(layer, event.currentTarget.checked)} />
-                    <span translate={false}>{layer || "—"}</span>
-                </label>
+                <Check key={layer} label={layer || "—"} value={taken.includes(layer)} onChange={(on) => set(layer, on)} />
             ))}
         </fieldset>
     );

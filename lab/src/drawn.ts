@@ -3,6 +3,7 @@
 // which is written with the frame that is shown.
 
 import { signal } from "@preact/signals";
+import { engineText, t } from "./language";
 import type { Drawn, Limit, LimitRequest, Outline, Point, Room, RoomEdit } from "./protocol";
 import { problem } from "./session";
 import { answer, type Lab, load } from "./wasm";
@@ -11,7 +12,7 @@ const lab = signal<Lab | null>(null);
 load(() => 0, "?__BUILD__").then(
     (loaded) => (lab.value = loaded),
     // Then the worker's may fail, too, which matters more.
-    (error) => (problem.value ||= `Rooms cannot be drawn: "${String(error).replaceAll('"', "'")}". Load this page again.`),
+    (error) => (problem.value ||= t('Rooms cannot be drawn: "{error}". Load this page again.', { error: String(error).replaceAll('"', "'") })),
 );
 
 /** Whether rooms can be drawn. */
@@ -20,16 +21,16 @@ export function ready() {
 }
 
 function ask(room: Room, edit: RoomEdit | null, near: Point | null): Drawn {
-    if (!lab.value) throw new Error("the lab is not loaded yet");
+    if (!lab.value) throw new Error(t("the lab is not loaded yet"));
     const { value } = answer(lab.value, { ask: "room", room, edit, near });
-    if ("refused" in value) throw new Error(value.refused);
+    if ("refused" in value) throw new Error(engineText(value.refused));
     return value.ok;
 }
 
 /** Adds squeezes to what is known of a limit. */
 export function limit(wanted: LimitRequest, squeezes: Uint8Array<ArrayBuffer>): Limit {
     const { value } = answer(lab.value!, { ask: "limit", ...wanted }, squeezes);
-    if ("refused" in value) throw new Error(value.refused);
+    if ("refused" in value) throw new Error(engineText(value.refused));
     return value.ok;
 }
 

@@ -1,6 +1,6 @@
 // Exits and goals on the picture.
 
-import { type Inks, label } from "./draw";
+import { handle, type Inks, label, through } from "./draw";
 import type { Point, Scene } from "./protocol";
 import { inMetres, type View } from "./view";
 
@@ -18,9 +18,7 @@ export function paintPlaces(context: CanvasRenderingContext2D, places: Drawn[], 
     places.forEach(({ stay, corners }, k) => {
         inMetres(context, view);
         const area = corners.length > 2;
-        context.beginPath();
-        corners.forEach(([x, y], j) => (j ? context.lineTo(x, y) : context.moveTo(x, y)));
-        if (area) context.closePath();
+        through(context, corners, area);
         const ink = stay ? inks.goal : inks.exit;
         if (area) {
             context.fillStyle = ink;
@@ -46,11 +44,7 @@ export function paintHandles(context: CanvasRenderingContext2D, corners: Point[]
     inMetres(context, view);
     const pixel = devicePixelRatio / view.scale;
     const half = (marked ? 6 : 4.5) * pixel;
-    context.fillStyle = marked ? inks.mark : inks.paper;
     context.strokeStyle = ink;
     context.lineWidth = 2 * pixel;
-    for (const [x, y] of corners) {
-        context.fillRect(x - half, y - half, 2 * half, 2 * half);
-        context.strokeRect(x - half, y - half, 2 * half, 2 * half);
-    }
+    for (const corner of corners) handle(context, corner, half, marked ? inks.mark : inks.paper);
 }

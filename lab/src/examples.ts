@@ -1,14 +1,17 @@
 // Ready scenes to start from.
 
 import { FIRST_CROWD, type KeptCrowd } from "./forms";
+import { type Plain, t } from "./language";
 import { FIRST_WISHES } from "./places";
 import type { Made } from "./plan";
 import type { Motion, Point, Push, WalkingModelName } from "./protocol";
 import { rectangle } from "./roomshape";
 
 export interface Example {
-    name: string;
-    question: string;
+    /** Also that of its scene. */
+    name: Plain;
+    /** Of so many people. */
+    question(people: number): string;
     sentence: string;
     made: Made;
 }
@@ -37,6 +40,12 @@ const bottleneck: Point[] = [
     [0, 5],
 ];
 
+/** People before a door. */
+function door(model: WalkingModelName): Made {
+    const room = { outline: rectangle(8, 6), obstacles: [], doors: [{ at: [8, 3] as Point, width: 0.9 }] };
+    return crowd({ number: 70, seed: 8, room, region: rectangle(5.5, 5.4, 0.3, 0.3) }, leave({ "door 1": [[9, 1.55], [9, 4.45]] }, model));
+}
+
 /** The ground before a tunnel, 2.5 m wide and 8 m long. */
 const vomitory: Point[] = [
     [0, 0],
@@ -52,36 +61,20 @@ const vomitory: Point[] = [
 export const EXAMPLES: Example[] = [
     {
         name: "The door",
-        question: "How long do 70 people need to leave?",
-        sentence: "They walk to a door 0.9 m wide, an arch forms before it, and they leave one by one.",
-        made: crowd(
-            {
-                number: 70,
-                seed: 8,
-                room: { outline: rectangle(8, 6), obstacles: [], doors: [{ at: [8, 3], width: 0.9 }] },
-                region: rectangle(5.5, 5.4, 0.3, 0.3),
-            },
-            leave({ "door 1": [[9, 1.55], [9, 4.45]] }),
-        ),
+        question: (n) => t("How long do {n} people need to leave?", { n }),
+        sentence: t("They walk to a door 0.9 m wide, an arch forms before it, and they leave one by one."),
+        made: door("rotational"),
     },
     {
         name: "Nobody waits",
-        question: "What if nobody waits?",
-        sentence: "The same room and people, who go straight on whoever is in the way, as in the paper. They press each other, and may block the way.",
-        made: crowd(
-            {
-                number: 70,
-                seed: 8,
-                room: { outline: rectangle(8, 6), obstacles: [], doors: [{ at: [8, 3], width: 0.9 }] },
-                region: rectangle(5.5, 5.4, 0.3, 0.3),
-            },
-            leave({ "door 1": [[9, 1.55], [9, 4.45]] }, "straight"),
-        ),
+        question: () => t("What if nobody waits?"),
+        sentence: t("The same room and people, who go straight on whoever is in the way, as in the paper. They press each other, and may block the way."),
+        made: door("straight"),
     },
     {
         name: "Round and real bodies",
-        question: "What do round bodies miss?",
-        sentence: "40 people go straight to a narrow gap. Keep the run, make bodies round, and compare; or set friction to 0.05.",
+        question: () => t("What do round bodies miss?"),
+        sentence: t("40 people go straight to a narrow gap. Keep the run, make bodies round, and compare; or set friction to 0.05."),
         made: crowd(
             {
                 number: 40,
@@ -94,14 +87,14 @@ export const EXAMPLES: Example[] = [
     },
     {
         name: "A push through a row",
-        question: "How far does a push go?",
-        sentence: "The last of five people in a row is pushed, and the push travels from back to back.",
+        question: () => t("How far does a push go?"),
+        sentence: t("The last of five people in a row is pushed, and the push travels from back to back."),
         made: { base: { kind: "example", name: "push" }, edits: [], motion: { kind: "own" } },
     },
     {
         name: "A dense square",
-        question: "What does a push do in a packed crowd?",
-        sentence: "180 people stand on 5 m × 5 m, more than 7 per m². Those at the left are pushed, and a wave of pressure runs to the right.",
+        question: () => t("What does a push do in a packed crowd?"),
+        sentence: t("180 people stand on 5 m × 5 m, more than 7 per m². Those at the left are pushed, and a wave of pressure runs to the right."),
         made: crowd(
             { number: 180, room: { outline: rectangle(5, 5), obstacles: [], doors: [] }, direction: null },
             { kind: "push", pushes: [0.8, 2.5, 4.2].map((y) => ({ ...shove, at: [0.4, y] })), balance: "none" },
@@ -109,8 +102,8 @@ export const EXAMPLES: Example[] = [
     },
     {
         name: "Two exits",
-        question: "Which exit do people take?",
-        sentence: "60 people go round a pillar and leave, each by the exit by which they expect to be out first.",
+        question: () => t("Which exit do people take?"),
+        sentence: t("60 people go round a pillar and leave, each by the exit by which they expect to be out first."),
         made: crowd(
             {
                 number: 60,
@@ -122,8 +115,8 @@ export const EXAMPLES: Example[] = [
     },
     {
         name: "A bottleneck",
-        question: "Is faster slower?",
-        sentence: "60 people walk along a corridor that narrows from 5 m to 1.2 m. Move the desired speed.",
+        question: () => t("Is faster slower?"),
+        sentence: t("60 people walk along a corridor that narrows from 5 m to 1.2 m. Move the desired speed."),
         made: crowd(
             {
                 number: 60,
@@ -136,8 +129,8 @@ export const EXAMPLES: Example[] = [
     },
     {
         name: "A stadium's vomitory",
-        question: "Where do spectators press?",
-        sentence: "130 spectators go round a pillar and leave through a tunnel, 2.5 m wide and 8 m long.",
+        question: () => t("Where do spectators press?"),
+        sentence: t("130 spectators go round a pillar and leave through a tunnel, 2.5 m wide and 8 m long."),
         made: crowd(
             {
                 number: 130,

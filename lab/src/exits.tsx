@@ -2,53 +2,45 @@
 
 import type { ComponentChildren } from "preact";
 import { middleOf } from "./drawplaces";
+import { inner, t } from "./language";
 import { begin, mode as now, type Mode, picked } from "./motionstate";
 import { MOST } from "./forms";
 import { OpenTimes } from "./opentimes";
 import { remove, setWishes } from "./exittool";
-import { Check, Choice, Field, LengthField, named, NumberField } from "./parts";
+import { Button, Check, Choice, Field, named, NumberField, PointRow } from "./parts";
 import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, ROTATIONAL, shaped } from "./places";
 import type { BalanceName, Place, Point, Rotational, WalkingModelName, Wishes } from "./protocol";
 import { film, selected } from "./session";
 
-const FAR = 1000;
-
-const NAMES: [WalkingModelName, string][] = [
-    ["rotational", "Rotational"],
-    ["collision-free-speed", "Collision-free speed"],
-    ["social-force", "Social force"],
-    ["straight", "Straight on"],
+const MODELS: [WalkingModelName, name: string, use: string][] = [
+    ["rotational", "Rotational", t("People see where others will be, step aside and turn their shoulders. Take this model for evacuation, corridors, counterflow and single file.")],
+    ["collision-free-speed", t("Collision-free speed"), t("People turn aside from others and from walls, and keep a distance in time. Flows through doors are about half of what people reach.")],
+    ["social-force", t("Social force"), t("Others and walls repel. Flows through doors are several times too great: not for evacuation times.")],
+    ["straight", t("Straight on"), t("The paper's rule: people go on, whoever is in the way, and push. It shows pressure, not evacuation times.")],
 ];
 
 const BALANCES: [BalanceName, string][] = [
-    ["none", "None: the ground stops them"],
-    ["pendulum", "Pendulum"],
-    ["two-level", "Two-level model"],
+    ["none", t("None: the ground stops them")],
+    ["pendulum", t("Pendulum")],
+    ["two-level", t("Two-level model")],
 ];
 
 /** How people who stand keep their balance. */
 export function BalanceChoice({ value, onChange }: { value: BalanceName; onChange(value: BalanceName): void }) {
     return (
         <>
-            <Choice label="Balance of those who stand" value={value} choices={BALANCES} onChange={onChange} />
-            {value !== "none" && <p class="note">Who is pushed leans, steps or falls. The picture shows the feet, and a line from there to the centre of mass.</p>}
+            <Choice label={t("Balance of those who stand")} value={value} choices={BALANCES} onChange={onChange} />
+            {value !== "none" && <p class="note">{t("Who is pushed leans, steps or falls. The picture shows the feet, and a line from there to the centre of mass.")}</p>}
         </>
     );
 }
 
-const GOOD_FOR: Record<WalkingModelName, string> = {
-    rotational: "People see where others will be, step aside and turn their shoulders. Take this model for evacuation, corridors, counterflow and single file.",
-    "collision-free-speed": "People turn aside from others and from walls, and keep a distance in time. Flows through doors are about half of what people reach.",
-    straight: "The paper's rule: people go on, whoever is in the way, and push. It shows pressure, not evacuation times.",
-    "social-force": "Others and walls repel. Flows through doors are several times too great: not for evacuation times.",
-};
-
-const ENDS = "Enter, a double click or a click on the first corner ends it.";
+const ENDS = t("Enter, a double click or a click on the first corner ends it.");
 const HINTS: Partial<Record<Mode, string>> = {
-    "exit line": "Click both ends of the line that people cross to leave.",
-    "exit area": `Click the corners of the area in which people leave. ${ENDS}`,
-    "goal line": "Click both ends of the line where people stay.",
-    "goal area": `Click the corners of the area in which people stay. ${ENDS}`,
+    "exit line": t("Click both ends of the line that people cross to leave."),
+    "exit area": t("Click the corners of the area in which people leave. {ends}", { ends: ENDS }),
+    "goal line": t("Click both ends of the line where people stay."),
+    "goal area": t("Click the corners of the area in which people stay. {ends}", { ends: ENDS }),
 };
 
 export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
@@ -56,29 +48,29 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
     const hint = HINTS[now.value];
     return (
         <>
-            <Choice label="How they walk among others" value={wishes.model} choices={NAMES} onChange={(model) => setWishes({ ...wishes, model, rotational: null })} />
-            <p class="note">{GOOD_FOR[wishes.model]}</p>
+            <Choice label={t("How they walk among others")} value={wishes.model} choices={MODELS} onChange={(model) => setWishes({ ...wishes, model, rotational: null })} />
+            <p class="note">{MODELS.find(([model]) => model === wishes.model)![2]}</p>
             {wishes.model === "rotational" && <Constants wishes={wishes} />}
             <BalanceChoice value={wishes.balance} onChange={(balance) => setWishes({ ...wishes, balance })} />
-            <Check label="Limit how hard people push ahead" value={wishes.push !== null} onChange={(on) => setWishes({ ...wishes, push: on ? 100 : null })} />
-            {wishes.push !== null && <NumberField label="Greatest push" unit="N" value={wishes.push} min={0} max={1e5} step={10} onChange={(push) => setWishes({ ...wishes, push })} />}
-            <Check label="Some walk in groups, such as families" value={wishes.groups !== null} onChange={(on) => setWishes({ ...wishes, groups: on ? { share: 0.5 } : null })} />
-            {wishes.groups !== null && <NumberField label="People in groups" unit="%" value={Math.round(100 * wishes.groups.share)} min={0} max={100} step={5} onChange={(percent) => setWishes({ ...wishes, groups: { share: percent / 100 } })} />}
-            <Check label="Not all start at once" value={wishes.start !== null} onChange={(on) => setWishes({ ...wishes, start: on ? { min: 0, max: 30 } : null })} />
+            <Check label={t("Limit how hard people push ahead")} value={wishes.push !== null} onChange={(on) => setWishes({ ...wishes, push: on ? 100 : null })} />
+            {wishes.push !== null && <NumberField label={t("Greatest push")} unit="N" value={wishes.push} min={0} max={1e5} step={10} onChange={(push) => setWishes({ ...wishes, push })} />}
+            <Check label={t("Some walk in groups, such as families")} value={wishes.groups !== null} onChange={(on) => setWishes({ ...wishes, groups: on ? { share: 0.5 } : null })} />
+            {wishes.groups !== null && <NumberField label={t("People in groups")} unit="%" value={Math.round(100 * wishes.groups.share)} min={0} max={100} step={5} onChange={(percent) => setWishes({ ...wishes, groups: { share: percent / 100 } })} />}
+            <Check label={t("Not all start at once")} value={wishes.start !== null} onChange={(on) => setWishes({ ...wishes, start: on ? { min: 0, max: 30 } : null })} />
             {wishes.start !== null && <Starts start={wishes.start} onChange={(start) => setWishes({ ...wishes, start })} />}
             <div class="row">
-                <NumberField label="Desired speed" unit="m/s" value={wishes.desired_speed} min={0} max={20} step={0.1} onChange={(desired_speed) => setWishes({ ...wishes, desired_speed })} />
-                <NumberField label="Seed" value={wishes.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => setWishes({ ...wishes, seed })} />
+                <NumberField label={t("Desired speed")} unit="m/s" value={wishes.desired_speed} min={0} max={20} step={0.1} onChange={(desired_speed) => setWishes({ ...wishes, desired_speed })} />
+                <NumberField label={t("Seed")} value={wishes.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => setWishes({ ...wishes, seed })} />
             </div>
             <KindSpeeds />
             {places.length < MOST.places && <Draw wishes={wishes} middle={middle} />}
             <p class="note" role="status">
-                {hint ? `${hint} Esc ends it without a change. Hold Shift for right angles.` : "Drag corners on the picture, or all of it by its name; Delete removes what is marked."}
+                {hint ? `${hint} ${t("Esc ends it without a change.")} ${t("Hold Shift for right angles.")}` : t("Drag corners on the picture, or all of it by its name; Delete removes what is marked.")}
             </p>
-            {places.length === 0 && <p class="note">There is no exit yet: nobody walks. Put exits about 1 m beyond doors, where they hold nobody up.</p>}
+            {places.length === 0 && <p class="note">{t("There is no exit yet: nobody walks. Put exits about 1 m beyond doors, where they hold nobody up.")}</p>}
             {wishes.exits.length > 1 && (
                 <Check
-                    label="Each exit gets a share of the people"
+                    label={t("Each exit gets a share of the people")}
                     value={hasShares(wishes)}
                     onChange={(on) => setWishes({ ...wishes, exits: wishes.exits.map((exit) => ({ ...exit, share: on ? 1 : null })) })}
                 />
@@ -97,10 +89,10 @@ function Starts({ start: { min, max }, onChange }: { start: NonNullable<Wishes["
     return (
         <>
             <div class="row">
-                <NumberField label="First start" unit="s" value={min} min={0} max={max - 0.1} step={0.5} onChange={(first) => onChange({ min: first, max })} />
-                <NumberField label="Last start" unit="s" value={max} min={min + 0.1} max={1e5} step={0.5} onChange={(last) => onChange({ min, max: last })} />
+                <NumberField label={t("First start")} unit="s" value={min} min={0} max={max - 0.1} step={0.5} onChange={(first) => onChange({ min: first, max })} />
+                <NumberField label={t("Last start")} unit="s" value={max} min={min + 0.1} max={1e5} step={0.5} onChange={(last) => onChange({ min, max: last })} />
             </div>
-            <p class="note">Each starts at a time between both; all are as likely, and the seed chooses. They stand before.</p>
+            <p class="note">{t("Each starts at a time between both; all are as likely, and the seed chooses. They stand before.")}</p>
         </>
     );
 }
@@ -108,23 +100,23 @@ function Starts({ start: { min, max }, onChange }: { start: NonNullable<Wishes["
 /** Who has another desired speed. */
 export function KindSpeeds() {
     const kinds = film.value?.scene.people && film.value.scene.agents.some(({ kind }) => kind !== null);
-    return kinds ? <p class="note">People of kinds have the desired speed of their kind (click one for it). This one is for those whom you put there by hand.</p> : null;
+    return kinds ? <p class="note">{t("People of kinds have the desired speed of their kind (click one for it). This one is for those whom you put there by hand.")}</p> : null;
 }
 
 /** Constants of the rotational model: name, unit, the least, the step. */
 const CONSTANTS: [keyof Rotational, string, string, number, number][] = [
-    ["time_gap", "Time gap", "s", 0.05, 0.05],
-    ["standstill_gap", "Gap of those who stand", "m", 0, 0.01],
-    ["reaction_time", "Reaction time", "s", 0, 0.05],
-    ["speed_noise", "Noise of the speed", "m/s", 0, 0.01],
-    ["acceleration", "Greatest acceleration", "m/s²", 0.1, 0.1],
+    ["time_gap", t("Time gap"), "s", 0.05, 0.05],
+    ["standstill_gap", t("Gap of those who stand"), "m", 0, 0.01],
+    ["reaction_time", t("Reaction time"), "s", 0, 0.05],
+    ["speed_noise", t("Noise of the speed"), "m/s", 0, 0.01],
+    ["acceleration", t("Greatest acceleration"), "m/s²", 0.1, 0.1],
 ];
 
 function Constants({ wishes }: { wishes: Wishes }) {
     const now = wishes.rotational ?? ROTATIONAL;
     return (
         <details>
-            <summary>Constants of the model</summary>
+            <summary>{t("Constants of the model")}</summary>
             {CONSTANTS.map(([key, label, unit, min, step]) => (
                 <NumberField key={key} label={label} unit={unit} value={now[key]} min={min} max={100} step={step} onChange={(value) => setWishes({ ...wishes, rotational: { ...now, [key]: value } })} />
             ))}
@@ -134,9 +126,9 @@ function Constants({ wishes }: { wishes: Wishes }) {
 
 function whoGoesWhere(wishes: Wishes) {
     const { exits, goals } = wishes;
-    if (exits.length === 0) return goals.length > 1 ? "Everybody goes to the goal that is nearest on foot at the start." : "Everybody goes to the goal.";
-    const exit = hasShares(wishes) ? "Exits are taken by their shares; the seed chooses by whom." : exits.length > 1 ? "Everybody takes the exit by which they expect to be out first, by distance and queue." : "Everybody takes the exit.";
-    return goals.length > 0 ? `${exit} To a goal go those for whom you choose it here.` : exit;
+    if (exits.length === 0) return goals.length > 1 ? t("Everybody goes to the goal that is nearest on foot at the start.") : t("Everybody goes to the goal.");
+    const exit = hasShares(wishes) ? t("Exits are taken by their shares; the seed chooses by whom.") : exits.length > 1 ? t("Everybody takes the exit by which they expect to be out first, by distance and queue.") : t("Everybody takes the exit.");
+    return goals.length > 0 ? `${exit} ${t("To a goal go those for whom you choose it here.")}` : exit;
 }
 
 function Draw({ wishes, middle }: { wishes: Wishes; middle: Point }) {
@@ -146,19 +138,17 @@ function Draw({ wishes, middle }: { wishes: Wishes; middle: Point }) {
     return (
         <>
             <Ways kind="exit" wishes={wishes} middle={middle}>
-                <button type="button" disabled={missing.length === 0} onClick={() => setWishes(missing.reduce((all, line) => added(all, "exit", line, "door"), wishes))}>
-                    Put an exit beyond each door
-                </button>
+                <Button words={t("Put an exit beyond each door")} disabled={missing.length === 0} onClick={() => setWishes(missing.reduce((all, line) => added(all, "exit", line, "door"), wishes))} />
             </Ways>
             <Ways kind="goal" wishes={wishes} middle={middle} />
-            {doors.length === 0 && <p class="note">The room on the picture has no doors of the tab Room.</p>}
+            {doors.length === 0 && <p class="note">{t("The room on the picture has no doors of the tab Room.")}</p>}
         </>
     );
 }
 
 /** How an exit or a goal can be made. */
 function Ways({ kind, wishes, middle: [x, y], children }: { kind: Kind; wishes: Wishes; middle: Point; children?: ComponentChildren }) {
-    const words = kind === "exit" ? "An exit" : "A goal";
+    const words = kind === "exit" ? t("An exit") : t("A goal");
     const line: Point[] = [
         [x, y - 0.5],
         [x, y + 0.5],
@@ -171,12 +161,12 @@ function Ways({ kind, wishes, middle: [x, y], children }: { kind: Kind; wishes: 
                     const key: Mode = `${kind} ${shape}`;
                     return (
                         <button key={key} type="button" aria-pressed={now.value === key} onClick={() => begin(now.value === key ? "change" : key)}>
-                            <span class="hidden">{words}: </span>Draw {shape === "line" ? "a line" : "an area"}
+                            <span class="hidden">{words}: </span>{shape === "line" ? t("Draw a line") : t("Draw an area")}
                         </button>
                     );
                 })}
                 <button type="button" onClick={() => setWishes(added(wishes, kind, line))}>
-                    <span class="hidden">{words}: </span>Write numbers
+                    <span class="hidden">{words}: </span>{t("Write numbers")}
                 </button>
                 {children}
             </div>
@@ -186,7 +176,7 @@ function Ways({ kind, wishes, middle: [x, y], children }: { kind: Kind; wishes: 
 
 function Fields({ wishes, place, k }: { wishes: Wishes; place: Place; k: number }) {
     const kind = kindOf(wishes, k);
-    const title = `${kind === "exit" ? "Exit" : "Goal"} ${kind === "exit" ? k + 1 : k + 1 - wishes.exits.length}`;
+    const title = kind === "exit" ? t("Exit {n}", { n: k + 1 }) : t("Goal {n}", { n: k + 1 - wishes.exits.length });
     const corners = cornersOf(place);
     const set = (next: Place) => setWishes(changed(wishes, k, next));
     const move = (j: number, to: Point) => set(shaped(place, corners.map((corner, i) => (i === j ? to : corner))));
@@ -195,7 +185,7 @@ function Fields({ wishes, place, k }: { wishes: Wishes; place: Place; k: number 
             <legend>{title}</legend>
             <label class="field">
                 <span>
-                    <span class="hidden">{title}, </span>name
+                    <span class="hidden">{title}, </span>{t("name")}
                 </span>
                 <Field
                     type="text"
@@ -207,32 +197,18 @@ function Fields({ wishes, place, k }: { wishes: Wishes; place: Place; k: number 
                     }}
                 />
             </label>
-            {place.share !== null && <NumberField label={`${title}, share`} short="share" value={place.share} min={0} max={1e6} step={0.5} onChange={(share) => set({ ...place, share })} />}
+            {place.share !== null && <NumberField of={title} label={t("share")} value={place.share} min={0} max={1e6} step={0.5} onChange={(share) => set({ ...place, share })} />}
             {kind === "exit" && <OpenTimes name={title} times={place.open} onChange={(open) => set({ ...place, open })} />}
-            {corners.map(([x, y], j) => {
-                const name = `${title}, ${corners.length === 2 ? "end" : "corner"} ${j + 1}`;
-                return (
-                    <div class="row" key={j}>
-                        <span class="which">{j + 1}</span>
-                        <LengthField label={`${name}, x`} short="x" value={x} min={-FAR} max={FAR} onChange={(to) => move(j, [to, y])} />
-                        <LengthField label={`${name}, y`} short="y" value={y} min={-FAR} max={FAR} onChange={(to) => move(j, [x, to])} />
-                        {corners.length > 3 && (
-                            <button type="button" aria-label={`Delete ${name.toLowerCase()}`} onClick={() => set(shaped(place, corners.filter((_, i) => i !== j)))}>
-                                ×
-                            </button>
-                        )}
-                    </div>
-                );
+            {corners.map((corner, j) => {
+                const name = `${title}, ${corners.length === 2 ? t("end {n}", { n: j + 1 }) : t("corner {n}", { n: j + 1 })}`;
+                const lose = () => set(shaped(place, corners.filter((_, i) => i !== j)));
+                return <PointRow key={j} k={j} name={name} at={corner} onChange={(to) => move(j, to)} onDelete={corners.length > 3 ? lose : undefined} />;
             })}
             <div class="buttons">
                 {corners.length > 2 && corners.length < MOST.corners && (
-                    <button type="button" onClick={() => set(shaped(place, [...corners, middleOf([corners[0]!, corners.at(-1)!])]))}>
-                        Add a corner
-                    </button>
+                    <Button words={t("Add a corner")} onClick={() => set(shaped(place, [...corners, middleOf([corners[0]!, corners.at(-1)!])]))} />
                 )}
-                <button type="button" onClick={() => remove(k)}>
-                    Delete {title.toLowerCase()}
-                </button>
+                <Button words={t("Delete {name}", { name: inner(title) })} onClick={() => remove(k)} />
             </div>
         </fieldset>
     );
@@ -241,16 +217,16 @@ function Fields({ wishes, place, k }: { wishes: Wishes; place: Place; k: number 
 /** Where the selected person goes. */
 function Own({ wishes }: { wishes: Wishes }) {
     const agent = selected.value === null ? undefined : film.value?.scene.agents[selected.value];
-    if (!agent) return <p class="note">Select a person to send this one to another place than the others.</p>;
+    if (!agent) return <p class="note">{t("Select a person to send this one to another place than the others.")}</p>;
     const { id } = agent;
     const own = wishes.agents[id];
     const places = placesOf(wishes);
     const chosen = places.findIndex(({ name }, k) => (kindOf(wishes, k) === "exit" ? own?.exit : own?.goal) === name);
     return (
         <Choice
-            label={`Person ${named(id)} goes to`}
+            label={t("Person {id} goes to", { id: named(id) })}
             value={chosen < 0 ? "" : String(chosen)}
-            choices={[["", "where the others go"], ...places.map(({ name }, k): [string, string] => [String(k), `${kindOf(wishes, k)} ${JSON.stringify(name)}`])]}
+            choices={[["", t("where the others go")], ...places.map(({ name }, k): [string, string] => [String(k), kindOf(wishes, k) === "exit" ? t("exit {name}", { name: JSON.stringify(name) }) : t("goal {name}", { name: JSON.stringify(name) })])]}
             onChange={(key) => send(wishes, id, key === "" ? null : Number(key))}
         />
     );

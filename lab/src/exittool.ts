@@ -3,7 +3,7 @@
 import { label } from "./draw";
 import { middleOf, paintHandles, paintPlaces } from "./drawplaces";
 import { MOST } from "./forms";
-import { addPoint, begin, clicks, dragged, drawingKey, hover, mode, motion, picked, setMotion, sketch, standing } from "./motionstate";
+import { addPoint, begin, clicks, dragged, hover, mode, motion, picked, setMotion, sketch, standing, toolKey } from "./motionstate";
 import { length } from "./parts";
 import { added, changed, cornersOf, type Kind, kindOf, placesOf, removed, shaped } from "./places";
 import { plan } from "./plan";
@@ -117,14 +117,7 @@ export const exitTool: Tool = {
         begin("change");
         setMotion(next);
     },
-    key(event) {
-        const drawing = mode.value !== "change";
-        if (event.key === "Escape" && drawing) begin("change");
-        else if (drawing && drawingKey(event, finish)) return true;
-        else if (event.key === "Delete" && picked.value !== null) remove(picked.value);
-        else return false;
-        return true;
-    },
+    key: (event) => toolKey(event, finish, remove),
     // There should be room for exits beyond doors.
     extent: () => film.value?.scene.beyond_doors.flat() ?? [],
     paint(context, view, inks) {

@@ -3,6 +3,7 @@
 import { batch, computed, signal } from "@preact/signals";
 import { type Client, Stopped } from "./client";
 import { Frames } from "./frames";
+import { t } from "./language";
 import type { Made } from "./plan";
 import type { Advanced, Scene } from "./protocol";
 
@@ -64,16 +65,6 @@ export class Film {
     /** Another film took its place, or its worker ended. */
     get over() {
         return this.#old || this.#generation !== this.client.generation;
-    }
-
-    /** Its numbers, not to be changed. */
-    frame(k: number): Float32Array {
-        return this.frames.frame(k);
-    }
-
-    /** Between two frames; valid until the next call. */
-    frameAt(place: number): Float32Array {
-        return this.frames.at(place);
     }
 
     get most() {
@@ -149,7 +140,7 @@ export class Film {
                 this.#look();
             });
         } catch (error) {
-            if (!this.over && !(error instanceof Stopped)) this.failed.value = `the run ended: ${(error as Error).message}`;
+            if (!this.over && !(error instanceof Stopped)) this.failed.value = t("the run ended: {message}", { message: (error as Error).message });
             this.playing.value = false;
         }
     }
@@ -173,7 +164,7 @@ export class Film {
         if (this.frames.count >= this.most) {
             if (this.shown.value >= there) {
                 this.playing.value = false;
-                this.failed.value = `the run ends here, at ${(there * this.scene.step).toFixed(2)} s: its frames fill ${MOST_BYTES / 1e6} MB`;
+                this.failed.value = t("the run ends here, at {end} s: its frames fill {most} MB", { end: (there * this.scene.step).toFixed(2), most: MOST_BYTES / 1e6 });
             }
             return;
         }

@@ -1,7 +1,6 @@
 // How many people cross a line, over the time of a run.
 
 import { signal } from "@preact/signals";
-import type { Client } from "./client";
 import type { Film } from "./film";
 import type { Flow as Counted, Point } from "./protocol";
 
@@ -25,7 +24,6 @@ export class Flow {
     #asking = false;
 
     constructor(
-        readonly client: Client,
         readonly film: Film,
         readonly line: [Point, Point],
     ) {}
@@ -42,7 +40,7 @@ export class Flow {
                 const from = Math.max(0, this.counted.value - 1);
                 const to = Math.min(film.frames.count, from + most);
                 const request = { ask: "flow", run: film.scene.run, line: this.line } as const;
-                const { value } = await this.client.ask<Counted>(request, film.frames.copy(from, to));
+                const { value } = await film.client.ask<Counted>(request, film.frames.copy(from, to));
                 for (const [place, , way] of value.crossings) this.crossings[way].push(from + place);
                 this.counted.value = to;
             }

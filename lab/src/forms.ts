@@ -1,7 +1,7 @@
 // What the user may have made has these forms, also when it comes from a link or the browser's storage.
 
-import { type Check, dictionary, fits, flag, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
-import type { BalanceName, Base, Door, Edit, Four, Further, Material, Material2d, Mechanics, Motion, Normal, OpenTime, People, PersonRequest, Place, Point, Push, Room, Rotational, Scenario, Sex, WalkingModelName, Waypoint, Wishes } from "./protocol";
+import { type Check, dictionary, firsts, fits, flag, forms, list, nullable, number, one, optional, record, type Row, row, tagged, text, tuple, within } from "./check";
+import type { BalanceName, Base, Door, Edit, Four, Further, Material, Material2d, Mechanics, Motion, Normal, OpenTime, People, PersonRequest, Point, Push, Room, Rotational, Scenario, Sex, WalkingModelName, Waypoint } from "./protocol";
 import { rectangle } from "./roomshape";
 
 /** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
@@ -28,9 +28,8 @@ const outline = list(point, MOST.outline, 3);
 const further = list(record<Further>({ corners: list(point, MOST.outline, 2), of: nullable(text(MOST.name)) }), MOST.walls);
 const parts = {
     obstacles: list(outline, MOST.walls),
-    // What is not there is left out: plans are compared as text.
-    walls: (given: unknown) => (given === undefined ? undefined : further(given)),
-    doors: list(record<Door>({ at: point, width: number, open: (given) => (given === undefined ? undefined : openTimes(given)) }), MOST.parts),
+    walls: optional(further),
+    doors: list(record<Door>({ at: point, width: number, open: optional(openTimes) }), MOST.parts),
 };
 const room = record<Room>({ outline, ...parts });
 /** In place of a Trial's walls. */
@@ -45,42 +44,28 @@ const people = tagged<"kind", KeptPeople>("kind", {
     statistics: record({ male: four, female: four }),
     table: record({ files: list(tuple<[Sex, string, number]>(one("male", "female"), text(MOST.name), number), 2, 1), key: text() }),
 });
-const inCrowd = record<KeptCrowd>({
-    number: nullable(number),
-    density: nullable(number),
-    seed: number,
-    room,
-    region: nullable(corners),
-    people,
-    mix: dictionary(within(0, 1e6), MOST.kinds),
-    men: number,
-    direction: nullable(number),
-    speed: number,
-    material: one("human_naked", "human_clothes", "human_soft"),
-    friction: nullable(number),
-    round: flag,
-});
+const CROWD: { [K in keyof KeptCrowd]: Row<KeptCrowd[K]> } = {
+    number: row(nullable(number), 40),
+    density: row(nullable(number), null),
+    seed: row(number, 1),
+    room: row(room, { outline: rectangle(4, 4), obstacles: [], doors: [] }),
+    region: row(nullable(corners), null),
+    people: row(people, { kind: "survey" }),
+    mix: row(dictionary(within(0, 1e6), MOST.kinds), {}),
+    men: row(number, 0.5),
+    direction: row(nullable(number), 0),
+    speed: row(number, 1),
+    material: row(one("human_naked", "human_clothes", "human_soft"), "human_naked"),
+    friction: row(nullable(number), null),
+    round: row(flag, false),
+};
+const inCrowd = record<KeptCrowd>(forms(CROWD));
+/** The forms of a crowd at first. */
+export const FIRST_CROWD: KeptCrowd = firsts(CROWD);
 /** Kinetic friction of people, where it is not changed: as crates/people has it. */
 export function frictionOf({ friction, material }: Pick<KeptCrowd, "friction" | "material">): number {
     return friction ?? (material === "human_clothes" ? 0.5 : 0.4);
 }
-/** The forms of a crowd at first. */
-export const FIRST_CROWD: KeptCrowd = {
-    number: 40,
-    density: null,
-    seed: 1,
-    room: { outline: rectangle(4, 4), obstacles: [], doors: [] },
-    region: null,
-    people: { kind: "survey" },
-    mix: {},
-    men: 0.5,
-    direction: 0,
-    speed: 1,
-    material: "human_naked",
-    friction: null,
-    round: false,
-};
-
 /** Former pages kept whether people wear clothes, no material, no friction, no round bodies, and no kinds. */
 export const crowd: Check<KeptCrowd> = (given) => {
     const kept = given as { clothes?: unknown };
@@ -93,21 +78,10 @@ export const base = tagged<"kind", KeptBase>("kind", {
     crowd,
     upload: record({ name: text(MOST.name), files: list(tuple<[string, number]>(text(MOST.path), number), MOST.files, 1), key: text() }),
 });
-/** A picture under the room. */
-export interface Backdrop {
-    name: string;
-    key: string;
-    /** Its lower left corner, and its width, in m. */
-    at: Point;
-    width: number;
-    /** Its height over its width. */
-    aspect: number;
-    /** 1: all of it is seen. */
-    opacity: number;
-}
-export const backdrop: Check<Backdrop | null> = (given) =>
-    // Former scenes have none.
-    given == null ? null : record<Backdrop>({ name: text(MOST.name), key: text(), at: point, width: within(1e-3, 1e6), aspect: within(1e-4, 1e4), opacity: within(0, 1) })(given);
+/** A picture under the room: its lower left corner and its width in m, its height over its width, and how much of it is seen. */
+const picture = record({ name: text(MOST.name), key: text(), at: point, width: within(1e-3, 1e6), aspect: within(1e-4, 1e4), opacity: within(0, 1) });
+export type Backdrop = ReturnType<typeof picture>;
+export const backdrop = nullable(picture);
 export const person = record<PersonRequest>({
     sex: one("male", "female"),
     breadth: nullable(number),
@@ -132,8 +106,8 @@ const changed = record<Mechanics>({
 });
 /** Whether changed numbers of it are still there after a reload. */
 export const canChange = (id: string) => id.length <= MOST.name;
-/** Most scenes change none of it, and older links do not know it. */
-export const mechanics: Check<Mechanics | undefined> = (given) => (given === undefined ? undefined : changed(given));
+/** Most scenes change none of it. */
+export const mechanics = optional(changed);
 /** Without frictions of single pairs with people, who are of a material: the crowd has one for all of them. */
 export function ofAllPairs(changed: Mechanics | undefined, people: string): Mechanics | undefined {
     const contact = (of: Mechanics["contacts"][number]) => (of.id1 === people || of.id2 === people ? { ...of, kinetic_friction: null } : of);
@@ -143,31 +117,41 @@ export function ofAllPairs(changed: Mechanics | undefined, people: string): Mech
 const radius = within(0, 1e6);
 const push = record<Push>({ at: point, radius, direction: number, force: number, start: number, duration: number });
 const way = list(record<Waypoint>({ x: number, y: number, radius }), MOST.points, 1);
-const place = record<Place>({
+/** A line or a polygon, one of the two, where people leave or stay. */
+const place = record({
     name: text(MOST.name),
     line: nullable(tuple<[Point, Point]>(point, point)),
     polygon: nullable(corners),
+    /** So many of the people take it, relative to the other exits; for all exits or for none. */
     share: nullable(number),
-    // Older links have none.
-    open: (given) => nullable(openTimes)(given ?? null),
+    /** Of exits: when people can leave by it; null: always. */
+    open: nullable(openTimes),
 });
+export type Place = ReturnType<typeof place>;
 const name = nullable(text(MOST.name));
 const rotational = nullable(record<Rotational>({ time_gap: number, standstill_gap: number, reaction_time: (given) => number(given ?? 0), speed_noise: number, acceleration: number }));
-const balance = (given: unknown) => one<BalanceName>("none", "pendulum", "two-level")(given ?? "none");
-const wishes = record<Wishes>({
+const balance: Check<BalanceName> = (given) => one<BalanceName>("none", "pendulum", "two-level")(given ?? "none");
+/** What the page's forms have of a decision.toml. */
+const wishes = record({
     model: one<WalkingModelName>("straight", "collision-free-speed", "social-force", "rotational"),
-    // Older links have none.
-    rotational: (given) => rotational(given ?? null),
-    balance: balance,
-    push: (given) => nullable(number)(given ?? null),
-    groups: (given) => nullable(record<NonNullable<Wishes["groups"]>>({ share: within(0, 1) }))(given ?? null),
-    start: (given) => nullable(record<NonNullable<Wishes["start"]>>({ min: within(0, 1e5), max: within(0, 1e5) }))(given ?? null),
+    /** Only with this model; null for its defaults. */
+    rotational,
+    balance,
+    /** In N: greatest force with which people push ahead; null for no limit. */
+    push: nullable(number),
+    /** Part of the people who are in groups that stay together; null for nobody. */
+    groups: nullable(record({ share: within(0, 1) })),
+    /** In s: each starts to walk at a time between both, all as likely; null for at once. */
+    start: nullable(record({ min: within(0, 1e5), max: within(0, 1e5) })),
     desired_speed: number,
+    /** Chooses who takes which exit by shares, who is in a group, who starts when, and what people do who are stuck. */
     seed: number,
     exits: list(place, MOST.places),
     goals: list(place, MOST.places),
+    /** By Id, for those who do not go where the others go: the name of one of both. */
     agents: dictionary(record({ exit: name, goal: name }), MOST.edits),
 });
+export type Wishes = ReturnType<typeof wishes>;
 export const motion = tagged<"kind", Motion>("kind", {
     own: record({}),
     none: record({}),
@@ -175,8 +159,7 @@ export const motion = tagged<"kind", Motion>("kind", {
     walk: record({
         speed: number,
         ways: list(way, MOST.ways),
-        // Older links have none of both.
-        shares: (given) => nullable(list(number, MOST.ways))(given ?? null),
+        shares: nullable(list(number, MOST.ways)),
         seed: (given) => number(given ?? 1),
     }),
     go: record({ wishes }),

@@ -2,7 +2,8 @@
 
 import { useEffect } from "preact/hooks";
 import { chosen, copy, drop, forget, handTool, movable, put, said } from "./handtool";
-import { LengthField, NumberField } from "./parts";
+import { count, t } from "./language";
+import { Button, FAR, LengthField, NumberField } from "./parts";
 import { plan } from "./plan";
 import { choose, film } from "./session";
 import { useTool } from "./tool";
@@ -17,15 +18,13 @@ export function Hand() {
     const edits = all.filter((edit) => edit.do !== "room");
     if (!shown) return null;
     return (
-        <section class="panel" aria-label="By hand">
-            <h2>By hand</h2>
+        <section class="panel" aria-label={t("By hand")}>
+            <h2>{t("By hand")}</h2>
             {movable.value ? <Chosen /> : <AtStart />}
             {edits.length > 0 && (
                 <p class="note">
-                    {edits.length} {edits.length === 1 ? "change" : "changes"} by hand.{" "}
-                    <button type="button" onClick={() => choose({ edits: all.filter((edit) => edit.do === "room") }, false)}>
-                        Take all back
-                    </button>
+                    {count(edits.length, "{n} change by hand.", "{n} changes by hand.")}{" "}
+                    <Button words={t("Take all back")} onClick={() => choose({ edits: all.filter((edit) => edit.do === "room") }, false)} />
                 </p>
             )}
         </section>
@@ -35,30 +34,26 @@ export function Hand() {
 function AtStart() {
     return (
         <p class="note">
-            People can be moved where they start.{" "}
-            <button type="button" onClick={() => film.value?.show(0)}>
-                Go to the start
-            </button>
+            {t("People can be moved where they start.")}{" "}
+            <Button words={t("Go to the start")} onClick={() => film.value?.show(0)} />
         </p>
     );
 }
 
 function Chosen() {
     const now = chosen.value;
-    if (!now) return <p class="note">Drag a person on the picture, or select one to turn, copy or delete it.</p>;
+    if (!now) return <p class="note">{t("Drag a person on the picture, or select one to turn, copy or delete it.")}</p>;
     const { scene } = film.value!;
     const degrees = Number(((now.theta * 180) / Math.PI).toFixed(1));
     return (
         <>
-            <p class="note">
-                Person <span translate={false}>{scene.agents[now.agent]!.id}</span>. Drag it, or the handle before it to turn it. Keys on the picture: Shift with arrows moves by 5 cm, Delete removes.
-            </p>
+            <p class="note">{t("Person {id}. Drag it, or the handle before it to turn it. Keys on the picture: Shift with arrows moves by 5 cm, Delete removes.", { id: scene.agents[now.agent]!.id })}</p>
             <div class="row">
-                <LengthField label="Person, x" short="x" value={now.x} min={-1000} max={1000} onChange={(x) => put({ ...(chosen.peek() ?? now), x })} />
-                <LengthField label="Person, y" short="y" value={now.y} min={-1000} max={1000} onChange={(y) => put({ ...(chosen.peek() ?? now), y })} />
+                <LengthField of={t("Person")} label="x" value={now.x} min={-FAR} max={FAR} onChange={(x) => put({ ...(chosen.peek() ?? now), x })} />
+                <LengthField of={t("Person")} label="y" value={now.y} min={-FAR} max={FAR} onChange={(y) => put({ ...(chosen.peek() ?? now), y })} />
                 <NumberField
-                    label="Person, faces"
-                    short="faces"
+                    of={t("Person")}
+                    label={t("faces")}
                     unit="°"
                     value={degrees}
                     min={-360}
@@ -68,12 +63,8 @@ function Chosen() {
                 />
             </div>
             <div class="buttons">
-                <button type="button" onClick={() => copy(now)}>
-                    Copy person
-                </button>
-                <button type="button" disabled={scene.agents.length < 2} onClick={() => drop(now)}>
-                    Delete person
-                </button>
+                <Button words={t("Copy person")} onClick={() => copy(now)} />
+                <Button words={t("Delete person")} disabled={scene.agents.length < 2} onClick={() => drop(now)} />
             </div>
             <p role="status" class="note">
                 {said.value}

@@ -1,6 +1,8 @@
 // Single people, moved, turned, copied and deleted by hand. Each act is one edit of the plan.
 
 import { computed, signal } from "@preact/signals";
+import { count, t } from "./language";
+import { circle, strokes, through } from "./draw";
 import { digits } from "./parts";
 import { MOST } from "./forms";
 import { plan } from "./plan";
@@ -43,7 +45,7 @@ export const chosen = computed<Pose | null>(() => {
     for (const edit of [...plan.value.made.edits].reverse()) {
         if (edit.do === "move" && edit.id === id) return { agent, x: edit.x, y: edit.y, theta: edit.theta };
     }
-    const frame = shown.frame(0);
+    const frame = shown.frames.frame(0);
     if (!isThere(frame, agent)) return null;
     return { agent, x: frame[COLUMNS * agent]!, y: frame[COLUMNS * agent + 1]!, theta: frame[COLUMNS * agent + 2]! };
 });
@@ -52,10 +54,10 @@ export const chosen = computed<Pose | null>(() => {
 export const said = computed(() => {
     const found = overlaps.value;
     if (!pose.value || !found) return "";
-    if (found.depth <= 0) return "No overlap.";
+    if (found.depth <= 0) return t("No overlap.");
     const others = found.agents.length;
-    const whom = [others > 0 && `${others} ${others === 1 ? "other" : "others"}`, found.wall && "a wall"].filter(Boolean).join(" and ");
-    return `It overlaps ${whom}, by ${digits(1000 * found.depth, 2)} mm.`;
+    const those = found.wall ? count(others, "{n} other and a wall", "{n} others and a wall") : count(others, "{n} other", "{n} others");
+    return t("It overlaps {whom}, by {depth} mm.", { whom: others > 0 ? those : t("a wall"), depth: digits(1000 * found.depth, 2) });
 });
 
 /** One question at a time; the last place counts. */
@@ -89,9 +91,7 @@ function begin(at: Pose) {
         .catch(() => {});
 }
 
-function clean(value: number) {
-    return Number(value.toFixed(4));
-}
+const clean = (value: number) => Number(value.toFixed(4));
 
 /** Whether an edit adds the person with this Id. */
 function isNew(edit: Edit, id: string) {
@@ -114,7 +114,7 @@ function act(edit: OfPerson) {
     const { edits } = plan.value.made;
     const after = edited(edits, edit);
     if (after.length > MOST.edits) {
-        problem.value = `There are ${MOST.edits} changes by hand already.`;
+        problem.value = t("There are {most} changes by hand already.", { most: MOST.edits });
         pose.value = null;
         return;
     }
@@ -149,7 +149,7 @@ export function copy({ agent, x, y, theta }: Pose) {
 
 /** Somebody more, at a place or where most room is among the people, facing like the first one. */
 export function add(person: PersonRequest, at: Point | null) {
-    const frame = film.value!.frame(0);
+    const frame = film.value!.frames.frame(0);
     const [x, y] = at ?? roomiest(film.value!.scene, frame);
     const id = newId();
     selectNext(id);
@@ -225,7 +225,7 @@ export const handTool: Tool = {
         const now = pose.value;
         turning = false;
         if (!now) return;
-        const frame = film.value!.frame(0);
+        const frame = film.value!.frames.frame(0);
         const [x, y, theta] = [0, 1, 2].map((k) => frame[COLUMNS * now.agent + k]!) as [number, number, number];
         if (Math.hypot(now.x - x, now.y - y) < 1e-3 && Math.abs(now.theta - theta) < 1e-3) forget();
         else put(now);
@@ -262,15 +262,10 @@ export const handTool: Tool = {
         inMetres(context, view);
         const pixel = devicePixelRatio / view.scale;
         const [x, y] = handle(now);
-        context.strokeStyle = inks.pick;
         context.fillStyle = inks.paper;
-        context.lineWidth = 2 * pixel;
-        context.beginPath();
-        context.moveTo(now.x + 0.2 * (x - now.x), now.y + 0.2 * (y - now.y));
-        context.lineTo(x, y);
-        context.stroke();
-        context.beginPath();
-        context.arc(x, y, 7 * pixel, 0, 2 * Math.PI);
+        through(context, [[now.x + 0.2 * (x - now.x), now.y + 0.2 * (y - now.y)], [x, y]]);
+        strokes(context, [[inks.pick, 2 * pixel]]);
+        circle(context, [x, y], 7 * pixel);
         context.fill();
         context.stroke();
     },

@@ -1,6 +1,7 @@
 // What is odd about a scene, told at once: nobody moves, or people are to walk through walls.
 
 import type { Film } from "./film";
+import { t } from "./language";
 import { plan } from "./plan";
 import type { Point, Scene } from "./protocol";
 
@@ -57,11 +58,9 @@ export function Hints({ film }: { film: Film }) {
     const ways = [...new Set(throughWalls(film.scene).map(({ way }) => way + 1))];
     return (
         <>
-            {isMotionless(film) && <p class="note">Nobody moves here: the tab Motion says what moves them.</p>}
+            {isMotionless(film) && <p class="note">{t("Nobody moves here: the tab Motion says what moves them.")}</p>}
             {ways.length > 0 && (
-                <p class="warning">
-                    {`${ways.length === 1 ? "Way goes" : "Ways go"} through a wall: ${ways.join(", ")}. The cross shows where: people walk straight from point to point.`}
-                </p>
+                <p class="warning">{`${ways.length === 1 ? t("Way goes through a wall") : t("Ways go through a wall")}: ${ways.join(", ")}. ${t("The cross shows where: people walk straight from point to point.")}`}</p>
             )}
         </>
     );

@@ -3,17 +3,18 @@
 import { effect, signal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { ByPlace, byPlace, mapKind } from "./byplace";
-import { Client } from "./client";
+import { Client, Stopped } from "./client";
 import { averaged, meanWords, scaleOf, shade, values } from "./colour";
 import { inksOf, Painter, paintBar } from "./draw";
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
 import { frictionOf } from "./forms";
-import { beat, canvas } from "./layout";
-import { look, view as shown, wheel } from "./look";
+import { count, t } from "./language";
+import { calmly, canvas } from "./layout";
+import { fitted, look, view as shown } from "./look";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
-import { digits, named } from "./parts";
+import { Button, digits, named } from "./parts";
 import { type Made, plan, scene } from "./plan";
 import type { Opened, OpenTime } from "./protocol";
 import { film, sent } from "./session";
@@ -32,31 +33,32 @@ effect(() => {
 
 /** When something is open; empty if that is always. */
 export function openWords(times?: OpenTime[] | null): string {
-    return (times ?? []).map(([from, to]) => `open from ${from} to ${to} s`).join(", ");
+    return (times ?? []).map(([from, to]) => t("open from {from} to {to} s", { from, to })).join(", ");
 }
 
 /** What a scene was made of, in a few words each. */
 function factsOf({ base: crowd, motion, mechanics, edits }: Made): string[] {
     const parts = [`"${scene.value.name}"`];
     if (crowd.kind === "crowd") {
-        parts.push(crowd.number === null ? `${crowd.density} people per m²` : `${crowd.number} people`);
-        for (const { width, open } of crowd.room.doors) parts.push([`door ${Number(width.toFixed(3))} m`, openWords(open)].filter(Boolean).join(", "));
-        parts.push(crowd.material, `friction ${frictionOf(crowd)}`, crowd.round ? "round bodies" : "real bodies", ...mixWords(crowd.mix));
-        if (crowd.men !== 0.5) parts.push(`${Math.round(100 * crowd.men)} % men`);
+        parts.push(crowd.number === null ? t("{density} people per m²", { density: crowd.density! }) : count(crowd.number, "{n} person", "{n} people"));
+        for (const { width, open } of crowd.room.doors) parts.push([t("door {width} m", { width: Number(width.toFixed(3)) }), openWords(open)].filter(Boolean).join(", "));
+        parts.push(crowd.material, t("friction {friction}", { friction: frictionOf(crowd) }), crowd.round ? t("round bodies") : t("real bodies"), ...mixWords(crowd.mix));
+        if (crowd.men !== 0.5) parts.push(t("{men} % men", { men: Math.round(100 * crowd.men) }));
     }
-    if (edits.some((edit) => edit.do === "room")) parts.push("walls changed");
+    if (edits.some((edit) => edit.do === "room")) parts.push(t("walls changed"));
     if (mechanics) parts.push(...moduli(mechanics), ...dampings(mechanics));
-    if (mechanics?.time_step) parts.push(`communication ${mechanics.time_step} s`);
-    if (mechanics?.time_step_mechanical) parts.push(`steps of ${mechanics.time_step_mechanical} s`);
+    if (mechanics?.time_step) parts.push(t("communication {step} s", { step: mechanics.time_step }));
+    if (mechanics?.time_step_mechanical) parts.push(t("steps of {step} s", { step: mechanics.time_step_mechanical }));
     if (motion.kind === "go") {
         const { desired_speed, model, groups, start, exits } = motion.wishes;
         parts.push(`${desired_speed} m/s`, model);
-        if (groups) parts.push(`${Number((100 * groups.share).toFixed(1))} % in groups`);
-        if (start) parts.push(`starts from ${start.min} to ${start.max} s`);
-        for (const { name, open } of exits) if (open) parts.push(`exit ${named(name)}: ${openWords(open)}`);
+        if (groups) parts.push(t("{share} % in groups", { share: Number((100 * groups.share).toFixed(1)) }));
+        if (start) parts.push(t("starts from {min} to {max} s", { min: start.min, max: start.max }));
+        for (const { name, open } of exits) if (open) parts.push(t("exit {name}: {times}", { name: named(name), times: openWords(open) }));
     }
-    if (motion.kind === "walk" && motion.shares) parts.push(`Shares of the ways: ${motion.shares.join(", ")}`);
-    const drawn = [crowd.kind === "crowd" && `seed ${crowd.seed}`, walkingSeed(motion) !== null && `walking has the seed ${walkingSeed(motion)}`];
+    if (motion.kind === "walk" && motion.shares) parts.push(t("Shares of the ways: {shares}", { shares: motion.shares.join(", ") }));
+    const walking = walkingSeed(motion);
+    const drawn = [crowd.kind === "crowd" && t("seed {seed}", { seed: crowd.seed }), walking !== null && t("walking has the seed {seed}", { seed: walking })];
     parts.push(...drawn.filter((words) => words !== false));
     if (motion.kind === "push" && motion.pushes[0]) parts.push(`${motion.pushes[0].force} N`);
     return parts;
@@ -82,14 +84,10 @@ export function Keep() {
     return (
         <div class="buttons">
             {now && now !== kept.value?.film && (
-                <button type="button" title="Keeps this run beside what you change next, with the same clock" onClick={() => (kept.value = { film: now, facts: factsOf(now.made) })}>
-                    Keep this run to compare
-                </button>
+                <Button words={t("Keep this run to compare")} title={t("Keeps this run beside what you change next, with the same clock")} onClick={() => (kept.value = { film: now, facts: factsOf(now.made) })} />
             )}
             {kept.value && (
-                <button type="button" onClick={() => (kept.value = null)}>
-                    End the comparison
-                </button>
+                <Button words={t("End the comparison")} onClick={() => (kept.value = null)} />
             )}
         </div>
     );
@@ -116,7 +114,7 @@ function useMap() {
             map.value = new ByPlace(client, run, quantity, value.scene.run);
         })();
         // The picture is then without a map.
-        begun.catch((error: Error) => (refused.value = error.message));
+        begun.catch((error: Error) => error instanceof Stopped || (refused.value = error.message));
         const follow = effect(() => void map.value?.follow((void plan.value.smooth, void run.computed.value, plan.value.span)));
         // Both have the colours of the greatest value of both.
         const together = effect(() => {
@@ -161,20 +159,14 @@ export function Beside({ now }: { now: Film }) {
             const filled = byPlace.value?.filled.value ? byPlace.value : null;
             if (kind && filled) places?.paint(kind, context, view, filled.scale(kind));
             painter.walls(context, view, inks, place * run.scene.step);
-            painter.people(context, { frame: run.frameAt(place), shades, paths: null, selected: null, overlapping: [], faint: kind !== null }, view, inks);
+            painter.people(context, { frame: run.frames.at(place), shades, paths: null, selected: null, overlapping: [], faint: kind !== null }, view, inks);
             paintPlaces(context, run.scene.targets, view, inks);
             if (kind) places?.paintMost(kind, context, view, inks);
             paintBar(context, view, unit, inks);
         });
-        on.addEventListener("wheel", wheel, { passive: false });
-        const observer = new ResizeObserver(() => {
-            [on.width, on.height] = [Math.round(on.clientWidth * devicePixelRatio), Math.round(on.clientHeight * devicePixelRatio)];
-            size.value += 1;
-        });
-        observer.observe(on);
+        const end = fitted(on, () => (size.value += 1));
         return () => {
-            on.removeEventListener("wheel", wheel);
-            observer.disconnect();
+            end();
             paint();
         };
     }, [run, now]);
@@ -184,10 +176,9 @@ export function Beside({ now }: { now: Film }) {
     };
     return (
         <div class="beside">
-            <canvas ref={element} onPointerMove={drag} role="img" aria-label={`The run that is kept: ${all.join(", ")}`} />
+            <canvas ref={element} onPointerMove={drag} role="img" aria-label={t("The run that is kept: {all}", { all: all.join(", ") })} />
             <p class="note">
-                Kept{all.length > 0 && `: ${differing(all, facts()) || all[0]}`}. <Now film={run} of={now} />
-                {refused.value && <span translate={false}> {refused.value}</span>}
+                {t("Kept: {facts}.", { facts: differing(all, facts()) || all[0]! })} <Now film={run} of={now} /> {refused.value}
             </p>
         </div>
     );
@@ -195,8 +186,7 @@ export function Beside({ now }: { now: Film }) {
 
 /** Numbers of a run at the time of another one. */
 export function Now({ film: run, of }: { film: Film; of: Film }) {
-    if (of.playing.value) beat.value;
-    const shown = of.playing.value ? of.shown.peek() : of.shown.value;
+    const shown = calmly(of, of.shown);
     const wanted = (shown * of.scene.step) / run.scene.step;
     const k = Math.floor(frameOf(of, shown, run));
     const { leaving, step } = run.scene;
@@ -204,11 +194,10 @@ export function Now({ film: run, of }: { film: Film; of: Film }) {
     const over = all !== null && k >= all;
     const squeezes = run.frames.greatestMean(averaged(run)).subarray(0, k + 1);
     const most = digits(squeezes.reduce((one, other) => Math.max(one, other), 0), 3);
-    return (
-        <>
-            {wanted > run.frames.count - 1 && `(only computed up to ${((run.frames.count - 1) * step).toFixed(1)} s) `}
-            {leaving > 0 && (over ? `All ${leaving} have left after ${(all * step).toFixed(2)} s. ` : `${run.frames.curve("left")[k]} of ${leaving} have left. `)}
-            {over ? `Greatest squeeze so far: ${most} N` : `Greatest squeeze: ${digits(squeezes[k]!, 3)} N, so far ${most} N`} ({meanWords(run, k)}).
-        </>
-    );
+    const words = [
+        wanted > run.frames.count - 1 && t("(only computed up to {end} s)", { end: ((run.frames.count - 1) * step).toFixed(1) }),
+        leaving > 0 && (over ? t("All {n} have left after {time} s.", { n: leaving, time: (all * step).toFixed(2) }) : t("{left} of {n} have left.", { left: run.frames.curve("left")[k]!, n: leaving })),
+        over ? t("Greatest squeeze so far: {most} N", { most }) : t("Greatest squeeze: {now} N, so far {most} N", { now: digits(squeezes[k]!, 3), most }),
+    ];
+    return <>{`${words.filter(Boolean).join(" ")} (${meanWords(run, k)}).`}</>;
 }

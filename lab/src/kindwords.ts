@@ -1,6 +1,8 @@
 // Names of kinds of people, in words. A kind of somebody's own keeps its name.
 
-const NAMES: Record<string, string> = {
+import { type Plain, t } from "./language";
+
+const NAMES: Record<string, Plain> = {
     adult: "Adult",
     backpack: "With a backpack",
     bicycle: "On a bicycle",
@@ -17,8 +19,13 @@ const NAMES: Record<string, string> = {
 /** The kinds of the program, adults first. */
 export const KINDS = Object.keys(NAMES);
 
+/** The id of the name of a kind of the program. */
+export function kindName(kind: string): Plain {
+    return NAMES[kind]!;
+}
+
 export function kindWords(kind: string): string {
-    return isOwn(kind) ? kind : NAMES[kind]!;
+    return isOwn(kind) ? kind : t(kindName(kind));
 }
 
 /** Whether it is one of somebody's own. */

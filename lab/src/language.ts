@@ -1,12 +1,21 @@
-// The language of the page. Texts are English in the code; another language has them in a dictionary, which is looked into
-// where elements are made. Numbers in a text, and names in quotes, are # in its key, so that one entry holds for all. An
-// element that holds what the visitor or a file says is not to be translated (`translate={false}`).
+// The language of the page. A text stands in English where it is used, with named places for values; it is its own id in the
+// catalogs of other languages (words/de.json, words/fr.json), as with gettext. `tsc` refuses an id without an entry.
 
-import { Fragment, options, type VNode } from "preact";
-import { storage } from "./plan";
+import type { ComponentChildren } from "preact";
+import { storage } from "./storage";
+import type german from "./words/de.json";
 
 export const LANGUAGES = { en: "English", de: "Deutsch", fr: "Français" };
 export type Language = keyof typeof LANGUAGES;
+
+type Id = keyof typeof german;
+type Places<I extends string> = I extends `${string}{${infer Place}}${infer Rest}` ? Place | Places<Rest> : never;
+/** What is given with an id: a value for each of its places. */
+type Values<I extends string, V> = [Places<I>] extends [never] ? [] : [values: Record<Places<I>, V>];
+/** Ids without places. */
+export type Plain = { [I in Id]: [Places<I>] extends [never] ? I : never }[Id];
+/** Ids with a number. */
+type Counted = { [I in Id]: [Places<I>] extends ["n"] ? ("n" extends Places<I> ? I : never) : never }[Id];
 
 const KEY = "lemons-lab language";
 const isLanguage = (name: string | null | undefined): name is Language => name != null && name in LANGUAGES;
@@ -18,16 +27,58 @@ function wanted(): Language {
     return isLanguage(chosen) ? chosen : isLanguage(own) ? own : "en";
 }
 
-export const language = wanted();
-let words: Map<string, string> | null = null;
-/** Texts without a translation: tests read them. */
-const missing = new Set<string>();
-Object.assign(window, { missing, translated });
+type Catalog = Record<string, string>;
+const CATALOGS: Record<Language, () => Promise<{ default: Catalog }[]>> = {
+    en: async () => [],
+    de: () => Promise.all([import("./words/de.json"), import("./words/engine.de.json")]),
+    fr: () => Promise.all([import("./words/fr.json"), import("./words/engine.fr.json")]),
+};
 
-/** The entry for a text, with or without its full stop; a text without words is its own. */
+export const language = wanted();
+document.documentElement.lang = language;
+/** Why the page is in English instead; empty if it is not. */
+export let unloaded = "";
+// Texts are also made while modules are loaded: those that import this one wait for it.
+const [words, engine] = await CATALOGS[language]().catch((error: Error) => {
+    unloaded = error.message;
+    return [];
+});
+
+/** A text with elements in its places. */
+export function rich<I extends Id>(id: I, ...[values]: Values<I, ComponentChildren>): ComponentChildren[] {
+    const parts = (words?.default[id] ?? id).split(/\{(\w+)\}/);
+    return parts.map((part, k) => (k % 2 ? (values as Record<string, ComponentChildren>)[part] : part));
+}
+
+/** A text in the language of the page. */
+export function t<I extends Id>(id: I, ...values: Values<I, string | number>): string {
+    return rich(id, ...values).join("");
+}
+
+/** What begins with a capital, inside of a text: German nouns keep it. */
+export const inner = (words: string) => (language === "de" ? words : words.charAt(0).toLowerCase() + words.slice(1));
+
+/** What does not, at the beginning of one. */
+export const capital = (words: string) => words.charAt(0).toUpperCase() + words.slice(1);
+
+const rules = new Intl.PluralRules(language);
+
+/** A text about so many: of one, or of several. */
+export function count(n: number, one: Counted, several: Counted): string {
+    return t(rules.select(n) === "one" ? one : several, { n });
+}
+
+/** The page is loaded again, with all that is on it. */
+export function choose(next: Language) {
+    storage("localStorage")?.setItem(KEY, next);
+    location.reload();
+}
+
+/** The entry for a text of the engine, with or without its full stop; a text without words is its own. */
 function whole(key: string): string | undefined {
-    const sentence = key.endsWith(".") ? words!.get(key.slice(0, -1)) : undefined;
-    return words!.get(key) ?? (sentence && `${sentence}.`) ?? (/[a-z]{2}/i.test(key) ? undefined : key);
+    const { default: entries } = engine!;
+    const sentence = key.endsWith(".") ? entries[key.slice(0, -1)] : undefined;
+    return entries[key] ?? (sentence && `${sentence}.`) ?? (/[a-z]{2}/i.test(key) ? undefined : key);
 }
 
 /** The entry for a text, or those of its parts: the first part is as short as it can be and have one. */
@@ -42,49 +93,17 @@ function entry(key: string): string | undefined {
     return undefined;
 }
 
-/** A text in the language of the page; it stays English where there is no translation. */
-export function translated(text: string): string {
-    const inner = text.trim();
-    if (!words || !/[a-z]{2}/i.test(inner)) return text;
+/** What the engine says, in the language of the page. It refuses and warns in English sentences, which the command and Python
+ * print as well, with values and places in them: so they are looked up (words/engine.de.json, …) part by part, with # for
+ * numbers and quoted names. What has no entry, as messages about files, stays English. */
+export function engineText(text: string): string {
+    if (!engine) return text;
     const given: string[] = [];
-    const key = inner.replace(/"[^"]*"|(?:(?<![\w.])-)?\d+(\.\d+)?/g, (one) => {
+    const key = text.trim().replace(/"[^"]*"|(?:(?<![\w.])-)?\d+(\.\d+)?/g, (one) => {
         given.push(one);
         return "#";
     });
-    const found = entry(key);
-    if (found === undefined) {
-        missing.add(key);
-        return text;
-    }
-    return text.replace(inner, () => found.replace(/#/g, () => given.shift() ?? "#"));
+    return entry(key)?.replace(/#/g, () => given.shift() ?? "#") ?? text;
 }
-
-const SAID = ["title", "aria-label", "aria-valuetext", "placeholder", "alt"];
-
-function translate(vnode: VNode) {
-    const props = vnode.props as Record<string, unknown>;
-    if (props.translate === false) return;
-    const child = (one: unknown): unknown => (typeof one === "string" ? translated(one) : one);
-    if (typeof props.children === "string") props.children = translated(props.children);
-    else if (Array.isArray(props.children)) props.children = props.children.map(child);
-    for (const name of SAID) if (typeof props[name] === "string") props[name] = translated(props[name]);
-}
-
-/** Loads the dictionary; then elements are made in its language. */
-export async function load() {
-    document.documentElement.lang = language;
-    if (language === "en") return;
-    const { WORDS } = await import("./words");
-    words = new Map(WORDS.map(([english, german, french]) => [english, language === "de" ? german : french]));
-    const before = options.vnode;
-    options.vnode = (vnode) => {
-        if (typeof vnode.type === "string" || vnode.type === Fragment) translate(vnode);
-        before?.(vnode);
-    };
-}
-
-/** The page is loaded again, with all that is on it. */
-export function choose(next: Language) {
-    storage("localStorage")?.setItem(KEY, next);
-    location.reload();
-}
+// Tests translate with it what the engine says.
+Object.assign(window, { engineText });

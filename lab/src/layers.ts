@@ -1,9 +1,9 @@
 // What is drawn over the people of a run: where they came from, and the forces between them.
 
 import { signal } from "@preact/signals";
-import type { Client } from "./client";
 import { round } from "./colour";
 import type { Film } from "./film";
+import { t } from "./language";
 import { Latest } from "./latest";
 import type { View } from "./view";
 
@@ -25,7 +25,7 @@ function strideOf({ scene }: Film): number {
 /** What trails leave out; empty if nothing. */
 export function trailsNote(film: Film): string {
     const stride = strideOf(film);
-    return stride > 1 ? `There are many people: trails show one frame of ${stride}.` : "";
+    return stride > 1 ? t("There are many people: trails show one frame of {stride}.", { stride }) : "";
 }
 
 /** Lines from where everybody was in the last two seconds. */
@@ -79,7 +79,7 @@ export class Chains {
         const { film } = this;
         if (film.over || k === this.#there) return;
         try {
-            const { bytes } = await this.client.ask({ ask: "forces", run: film.scene.run, time: k * film.scene.step }, film.frames.copy(k, k + 1));
+            const { bytes } = await film.client.ask({ ask: "forces", run: film.scene.run, time: k * film.scene.step }, film.frames.copy(k, k + 1));
             this.#show(new Float64Array(bytes));
         } catch {
             // The run is over, or another request says what is wrong with it. Forces of another frame would be wrong.
@@ -88,10 +88,7 @@ export class Chains {
         this.#there = k;
     });
 
-    constructor(
-        readonly client: Client,
-        readonly film: Film,
-    ) {}
+    constructor(readonly film: Film) {}
 
     /** The force of the widest line, in N; 0 where nothing pressed yet. */
     get largest() {

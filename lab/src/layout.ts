@@ -1,6 +1,7 @@
 // What parts of the stage share.
 
-import { signal } from "@preact/signals";
+import { type ReadonlySignal, signal } from "@preact/signals";
+import type { Film } from "./film";
 import type { View } from "./view";
 
 /** The picture that is shown, if there is one. */
@@ -16,6 +17,11 @@ export function show(on: HTMLCanvasElement): () => void {
 
 /** Changes some times in a second while a run plays: what is read need not change with each picture. */
 export const beat = signal(0);
+
+/** A number of a run at the last beat, or as it is where the run does not play. */
+export function calmly({ playing }: Film, of: ReadonlySignal<number>): number {
+    return playing.value ? (beat.value, of.peek()) : of.value;
+}
 
 /** Whether the stage is shown alone, to an audience. */
 export const presents = signal(false);

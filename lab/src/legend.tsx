@@ -4,18 +4,19 @@ import { useId } from "preact/hooks";
 import { type Kind, NAMES } from "./byplace";
 import { colourOf, kindsOf, meanWords, QUANTILE, type Scale, scaleOf, THINGS } from "./colour";
 import type { Film } from "./film";
+import { type Plain, t } from "./language";
 import { beat } from "./layout";
 import { KindName } from "./mix";
 import { Check, Choice, digits, NumberField } from "./parts";
 import { type Colour, change, type Plan, plan } from "./plan";
 
 const COLOURED: [Colour, string][] = [
-    ["speed", "Speed"],
-    ["squeeze", "Squeeze"],
-    ["contacts", "Contacts"],
-    ["kind", "Kind"],
+    ["speed", t("Speed")],
+    ["squeeze", t("Squeeze")],
+    ["contacts", t("Contacts")],
+    ["kind", t("Kind")],
 ];
-const MAPS: [Plan["map"], string][] = [["none", "none"], ...(Object.entries(NAMES) as [Kind, string][])];
+const MAPS: [Plan["map"], string][] = [["none", t("none")], ...(Object.entries(NAMES) as [Kind, Plain][]).map(([kind, name]): [Kind, string] => [kind, t(name)])];
 const MEANS: [string, string][] = [
     ["0.1", "0.1 s"],
     ["1", "1 s"],
@@ -39,21 +40,21 @@ export function Legend({ film }: { film: Film }) {
     const more = scale.largest > scale.high;
     return (
         <div class="legend">
-            <Choice label="Colour" value={colour} choices={choices} onChange={(next) => change({ colour: next })} />
-            {view !== "3d" && <Choice label="Map" value={map} choices={MAPS} onChange={(next) => change({ map: next })} />}
-            {(colour === "squeeze" || map === "mean" || map === "greatest") && <Choice label="mean of" value={String(smooth)} choices={MEANS} onChange={(next) => change({ smooth: Number(next) })} />}
+            <Choice label={t("Colour")} value={colour} choices={choices} onChange={(next) => change({ colour: next })} />
+            {view !== "3d" && <Choice label={t("Map")} value={map} choices={MAPS} onChange={(next) => change({ map: next })} />}
+            {(colour === "squeeze" || map === "mean" || map === "greatest") && <Choice label={t("mean of")} value={String(smooth)} choices={MEANS} onChange={(next) => change({ smooth: Number(next) })} />}
             {scale.kinds ? <Kinds kinds={scale.kinds} /> : <Numeric scale={scale} more={more} />}
             <Things film={film} />
             {/* Opened, it lies over the picture and moves nothing. */}
             {!scale.kinds && <details class="about">
-                <summary>About this scale</summary>
+                <summary>{t("About this scale")}</summary>
                 <div>
                     <p>
-                        {fixed ? "You have fixed this scale." : `The scale ends at the ${100 * QUANTILE} % quantile of all values that are not 0, of people and steps so far.`} The
-                        greatest value so far is {shown(scale.largest, scale.unit)}.
+                        {fixed ? t("You have fixed this scale.") : t("The scale ends at the {quantile} % quantile of all values that are not 0, of people and steps so far.", { quantile: 100 * QUANTILE })}{" "}
+                        {t("The greatest value so far is {value}.", { value: shown(scale.largest, scale.unit) })}
                     </p>
-                    <Check label="Fix this scale" value={fixed} onChange={(on) => fix(on ? scale.high : null)} />
-                    {fixed && <NumberField label="Upper end" unit={scale.unit} value={scale.high} min={1e-3} max={1e7} step={1e-3} onChange={fix} />}
+                    <Check label={t("Fix this scale")} value={fixed} onChange={(on) => fix(on ? scale.high : null)} />
+                    {fixed && <NumberField label={t("Upper end")} unit={scale.unit} value={scale.high} min={1e-3} max={1e7} step={1e-3} onChange={fix} />}
                     {colour === "squeeze" && <Squeeze film={film} />}
                 </div>
             </details>}
@@ -65,10 +66,10 @@ export function Legend({ film }: { film: Film }) {
 function Numeric({ scale, more }: { scale: Scale; more: boolean }) {
     return (
         <span class="scale">
-            {scale.low > 0 ? `up to ${shown(scale.low, scale.unit)}` : 0}
+            {scale.low > 0 ? t("up to {value}", { value: shown(scale.low, scale.unit) }) : 0}
             <Bar scale={scale} />
             {shown(scale.high, scale.unit)}
-            {more && " and more"}
+            {more && ` ${t("and more")}`}
         </span>
     );
 }
@@ -96,7 +97,7 @@ function Things({ film: { scene } }: { film: Film }) {
             {there.map((material) => (
                 <li key={material}>
                     <span class="swatch" style={{ background: THINGS[material] }} />
-                    {material === "frame" ? "Frames" : "Luggage"}
+                    {material === "frame" ? t("Frames") : t("Luggage")}
                 </li>
             ))}
         </ul>
@@ -121,18 +122,9 @@ export function Bar({ scale: { ramp } }: { scale: Scale }) {
 export function Squeeze({ film }: { film: Film }) {
     return (
         <>
-            <p>
-                Squeeze is the sum of the normal forces on a person, from all sides; the colours and the chart of the greatest squeeze show its {meanWords(film)}.
-                Disks with stiff springs touch here, so short impacts have higher peaks than soft bodies would.
-            </p>
-            <p>
-                Measured of people, and none of it a squeeze: men tolerated 623 N against a flat bar 100 mm wide (Evans and Hayden 1971, as reported by Lee and
-                Hughes 2006); 1112 N for 4 to 6 minutes are estimated to be fatal (Hopkins et al. 1993, ibid.).
-            </p>
-            <p>
-                It is no pressure on the chest: a force that enters at one side leaves at the other, and both are counted. What a person bears depends on where, how
-                long and how evenly the force acts, and differs from person to person. No number here says who is hurt.
-            </p>
+            <p>{t("Squeeze is the sum of the normal forces on a person, from all sides; the colours and the chart of the greatest squeeze show its {mean}. Disks with stiff springs touch here, so short impacts have higher peaks than soft bodies would.", { mean: meanWords(film) })}</p>
+            <p>{t("Measured of people, and none of it a squeeze: men tolerated 623 N against a flat bar 100 mm wide (Evans and Hayden 1971, as reported by Lee and Hughes 2006); 1112 N for 4 to 6 minutes are estimated to be fatal (Hopkins et al. 1993, ibid.).")}</p>
+            <p>{t("It is no pressure on the chest: a force that enters at one side leaves at the other, and both are counted. What a person bears depends on where, how long and how evenly the force acts, and differs from person to person. No number here says who is hurt.")}</p>
         </>
     );
 }

@@ -1,8 +1,8 @@
 // Squeeze above a limit of the user's: how many people, how long, and from when.
 
-import type { ComponentChildren } from "preact";
 import { limit, ready } from "./drawn";
 import type { Film } from "./film";
+import { t } from "./language";
 import { beat } from "./layout";
 import { brief, digits, Facts, NumberField } from "./parts";
 import { change, plan } from "./plan";
@@ -50,26 +50,21 @@ function found(film: Film, to: number): Known {
 }
 
 /** What is told of the limit, up to the last frame that was shown or asked for. */
-export function aboveLimit(film: Film): [string, ComponentChildren][] {
+export function aboveLimit(film: Film): [string, string][] {
     const { seconds } = plan.value.limit;
     const { step, agents } = film.scene;
     const to = film.playing.value ? film.reached.peek() : film.reached.value;
-    const name = "Ever above the limit";
+    const name = t("Ever above the limit");
     if (!ready() || agents.length === 0) return [];
     const seen = found(film, to);
-    if (!seen) return [[name, step > seconds ? `not known: a step is longer than ${seconds} s` : `nothing yet: the run is shorter than ${seconds} s`]];
+    if (!seen) return [[name, step > seconds ? t("not known: a step is longer than {seconds} s", { seconds }) : t("nothing yet: the run is shorter than {seconds} s", { seconds })]];
     const { people, first, longest, who, time } = seen;
-    if (first === null) return [[name, "nobody"]];
+    if (first === null) return [[name, t("nobody")]];
     return [
-        [name, `${people} of ${agents.length}`],
-        ["Above it at first", `at ${first.toFixed(2)} s`],
-        [
-            "Longest without a break",
-            <>
-                {`${digits(longest, 3)} s`} (<span translate={false}>{brief(agents[who]!.id)}</span>)
-            </>,
-        ],
-        ["All together", `${digits(time, 3)} person-seconds`],
+        [name, t("{people} of {n}", { people, n: agents.length })],
+        [t("Above it at first"), t("at {first} s", { first: first.toFixed(2) })],
+        [t("Longest without a break"), `${digits(longest, 3)} s (${brief(agents[who]!.id)})`],
+        [t("All together"), t("{time} person-seconds", { time: digits(time, 3) })],
     ];
 }
 
@@ -78,13 +73,13 @@ export function Limit({ film }: { film: Film }) {
     const of = plan.value.limit;
     return (
         <>
-            <h2>Squeeze above a limit</h2>
+            <h2>{t("Squeeze above a limit")}</h2>
             <div class="row">
-                <NumberField label="Limit" unit="N" value={of.force} min={1} max={1e6} step={10} onChange={(force) => change({ limit: { ...of, force } })} />
-                <NumberField label="Limit, mean over" short="mean over" unit="s" value={of.seconds} min={0.01} max={600} step={0.5} onChange={(seconds) => change({ limit: { ...of, seconds } })} />
+                <NumberField label={t("Limit")} unit="N" value={of.force} min={1} max={1e6} step={10} onChange={(force) => change({ limit: { ...of, force } })} />
+                <NumberField of={t("Limit")} label={t("mean over")} unit="s" value={of.seconds} min={0.01} max={600} step={0.5} onChange={(seconds) => change({ limit: { ...of, seconds } })} />
             </div>
             <Facts rows={aboveLimit(film)} />
-            <p class="note">623 N is what men tolerated against a flat bar. No number here says who is hurt: About this scale, below the picture, says more.</p>
+            <p class="note">{t("623 N is what men tolerated against a flat bar. No number here says who is hurt: About this scale, below the picture, says more.")}</p>
         </>
     );
 }

@@ -2,11 +2,10 @@
 
 import { signal } from "@preact/signals";
 import { Fragment } from "preact";
-import type { Inks } from "./draw";
-import { label } from "./draw";
-import { translated } from "./language";
+import { type Inks, label, strokes, through } from "./draw";
+import { t } from "./language";
 import { begin as beginMotion } from "./motionstate";
-import { LengthField } from "./parts";
+import { Button, LengthField } from "./parts";
 import { change, type Plan, plan } from "./plan";
 import type { Point } from "./protocol";
 import { begin as beginRoom } from "./roomtool";
@@ -29,9 +28,7 @@ function drawing(kind: Kind, paint: typeof paintLine): Tool {
         move: ({ at }, pressed) => {
             if (pressed && drawn.value) drawn.value = [drawn.value[0], at];
         },
-        cancel: () => {
-            drawn.value = null;
-        },
+        cancel: () => void (drawn.value = null),
         up: ({ at, reach }) => {
             const line = drawn.value;
             drawn.value = null;
@@ -66,29 +63,30 @@ export function paintArea(context: CanvasRenderingContext2D, [from, to]: Line, v
     context.setLineDash([8 * pixel, 5 * pixel]);
     context.strokeRect(from[0], from[1], to[0] - from[0], to[1] - from[1]);
     context.setLineDash([]);
-    label(context, translated("area"), [(from[0] + to[0]) / 2, Math.max(from[1], to[1])], view, inks);
+    label(context, t("area"), [(from[0] + to[0]) / 2, Math.max(from[1], to[1])], view, inks);
 }
 
 export function paintLine(context: CanvasRenderingContext2D, [from, to]: Line, view: View, inks: Inks) {
     inMetres(context, view);
     const pixel = devicePixelRatio / view.scale;
-    for (const [colour, width] of [[inks.paper, 6], [inks.pick, 3]] as const) {
-        context.strokeStyle = colour;
-        context.lineWidth = width * pixel;
-        context.beginPath();
-        context.moveTo(...from);
-        context.lineTo(...to);
-        context.stroke();
-    }
+    through(context, [from, to]);
+    strokes(context, [[inks.paper, 6 * pixel], [inks.pick, 3 * pixel]]);
     label(context, "A", from, view, inks);
     label(context, "B", to, view, inks);
 }
 
 /** What is seen, and the whole names. */
 const WORDS: Record<Kind, [string, string, string, string]> = {
-    line: ["Line", "Count over a line", "Draw the line anew", "Remove the line"],
-    area: ["Area", "Measure an area", "Draw the area anew", "Remove the area"],
+    line: [t("Line"), t("Count over a line"), t("Draw the line anew"), t("Remove the line")],
+    area: [t("Area"), t("Measure an area"), t("Draw the area anew"), t("Remove the area")],
 };
+
+function begin(kind: Kind, on: boolean) {
+    // Two tools cannot draw at once.
+    beginRoom("change");
+    beginMotion("change");
+    lineTool.value = on ? null : TOOLS[kind];
+}
 
 export function MeasureButtons() {
     return (
@@ -100,18 +98,9 @@ export function MeasureButtons() {
                 const name = there ? again : first;
                 return (
                     <Fragment key={kind}>
-                        <button type="button" aria-label={name} title={name} aria-pressed={on} onClick={() => {
-                                // Two tools cannot draw at once.
-                                beginRoom("change");
-                                beginMotion("change");
-                                lineTool.value = on ? null : TOOLS[kind];
-                            }}>
-                            {seen}
-                        </button>
+                        <Button words={seen} aria-label={name} title={name} aria-pressed={on} onClick={() => begin(kind, on)} />
                         {there && (
-                            <button type="button" aria-label={remove} title={remove} onClick={() => change({ [kind]: null })}>
-                                ×
-                            </button>
+                            <Button words="×" aria-label={remove} title={remove} onClick={() => change({ [kind]: null })} />
                         )}
                     </Fragment>
                 );
@@ -131,10 +120,11 @@ export function MeasureFields({ kind }: { kind: Kind }) {
         lineTool.value = null;
         put(kind, next);
     };
-    const [name, points] = kind === "line" ? ["Line", "from A to B"] : ["Area", "between two corners"];
+    const name = kind === "line" ? t("Line") : t("Area");
+    const draw = kind === "line" ? t("Draw the line on the picture, or write where it is") : t("Draw the area on the picture, or write where it is");
     return (
         <fieldset class="fields four">
-            <legend>{on ? `Draw the ${kind} on the picture, or write where it is` : `${name} ${points}`}</legend>
+            <legend>{on ? draw : kind === "line" ? t("Line from A to B") : t("Area between two corners")}</legend>
             {([0, 1] as const).flatMap((end) =>
                 ([0, 1] as const).map((axis) => {
                     const short = `${"AB"[end]}, ${"xy"[axis]}`;

@@ -4,6 +4,7 @@
 import { effect, signal } from "@preact/signals";
 import { ready, shape } from "./drawn";
 import { type KeptCrowd, ofAllPairs } from "./forms";
+import { t } from "./language";
 import { crowdOf, plan } from "./plan";
 import { beyond, cornersOf } from "./places";
 import type { Motion, Point, Room } from "./protocol";
@@ -61,12 +62,12 @@ export function place(asStep: boolean) {
     const before = made.base.kind === "crowd" ? made.base.room : null;
     const { motion, gone } = kept(made.motion, before, crowd);
     const edits = made.base.kind === "crowd" && same(made.base, crowd) ? made.edits : [];
-    if (edits.length < made.edits.length) gone.push("changes by hand");
+    if (edits.length < made.edits.length) gone.push(t("changes by hand"));
     // Another material has other numbers.
     const was = made.base.kind === "crowd" && made.base.material === crowd.material ? made.base : null;
     const mechanics = was?.friction === crowd.friction ? made.mechanics : was ? ofAllPairs(made.mechanics, crowd.material) : undefined;
-    if (made.mechanics && !mechanics) gone.push("changed materials and steps");
-    const words = gone.length > 0 ? `Not there any more: ${gone.join(", ")}. Undo brings them back.` : "";
+    if (made.mechanics && !mechanics) gone.push(t("changed materials and steps"));
+    const words = gone.length > 0 ? t("Not there any more: {gone}. Undo brings them back.", { gone: gone.join(", ") }) : "";
     if (asStep) rename("A crowd");
     choose({ base: { kind: "crowd", ...crowd }, edits, mechanics, motion }, !asStep && playsOn(), crowd, words, asStep);
 }
@@ -98,11 +99,11 @@ function kept(motion: Motion, before: Room | null, crowd: KeptCrowd): { motion: 
         });
     following.value = null;
     if (motion.kind === "push") {
-        const pushes = stays(motion.pushes, ({ at, radius }) => at[0] > left - radius && at[0] < left + width + radius && at[1] > low - radius && at[1] < low + height + radius, (k) => `push ${k + 1}`);
+        const pushes = stays(motion.pushes, ({ at, radius }) => at[0] > left - radius && at[0] < left + width + radius && at[1] > low - radius && at[1] < low + height + radius, (k) => t("push {k}", { k: k + 1 }));
         return { motion: pushes.length > 0 ? { ...motion, pushes } : { kind: "none" }, gone };
     }
     if (motion.kind === "walk") {
-        const ways = stays(motion.ways, (way) => way.every(({ x, y }) => near([x, y])), (k) => `way ${k + 1}`);
+        const ways = stays(motion.ways, (way) => way.every(({ x, y }) => near([x, y])), (k) => t("way {k}", { k: k + 1 }));
         const shares = motion.shares && motion.shares.filter((_, k) => ways.includes(motion.ways[k]!));
         return { motion: ways.length > 0 ? { ...motion, ways, shares } : { kind: "none" }, gone };
     }

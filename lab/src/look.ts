@@ -24,10 +24,29 @@ export function zoom(by: number) {
 }
 
 /** Zooms where the wheel turns. */
-export function wheel(event: WheelEvent) {
+function wheel(event: WheelEvent) {
     // The page must not scroll at the same time.
     event.preventDefault();
     look(zoomed(view.value, Math.exp(-0.0015 * event.deltaY * (event.deltaMode ? 30 : 1)), event.offsetX * devicePixelRatio, event.offsetY * devicePixelRatio));
+}
+
+/** Keeps a canvas as fine as its pixels, and hears the wheel on it. Its size or its colours are others where it calls. Returns what
+ * ends it. */
+export function fitted(on: HTMLCanvasElement, changed: () => void): () => void {
+    const measure = () => {
+        [on.width, on.height] = [Math.round(on.clientWidth * devicePixelRatio), Math.round(on.clientHeight * devicePixelRatio)];
+        changed();
+    };
+    const observer = new ResizeObserver(measure);
+    observer.observe(on);
+    const scheme = matchMedia("(prefers-color-scheme: dark)");
+    scheme.addEventListener("change", measure);
+    on.addEventListener("wheel", wheel, { passive: false });
+    return () => {
+        observer.disconnect();
+        scheme.removeEventListener("change", measure);
+        on.removeEventListener("wheel", wheel);
+    };
 }
 
 // Another scene is seen as a whole at first.

@@ -5,13 +5,15 @@ import { type ByPlace, type Kind, NAMES, pointed } from "./byplace";
 import { valueAt } from "./canvas";
 import { origin, saveTable } from "./csv";
 import type { Film } from "./film";
+import { t } from "./language";
 import { beat, canvas, presents } from "./layout";
 import { Bar, shown } from "./legend";
-import { Check, NumberField, save } from "./parts";
+import { Button, Check, NumberField, save } from "./parts";
 import { composeMap, png } from "./picture";
-import { change, embedded, plan, scene } from "./plan";
+import { change, plan, scene } from "./plan";
 import { COLUMNS, isThere } from "./protocol";
 import { attempt, selected } from "./session";
+import { embedded } from "./storage";
 
 interface MapProps {
     film: Film;
@@ -27,15 +29,15 @@ export function MapLegend({ film, places, kind }: MapProps) {
     const there = places.filled.value !== null;
     const scale = places.scale(kind);
     return (
-        <section class="legend" aria-label="Map">
+        <section class="legend" aria-label={t("Map")}>
             <span class="scale">
-                {`${NAMES[kind]}: 0`}
+                {`${t(NAMES[kind])}: 0`}
                 <Bar scale={scale} />
                 {shown(scale.high, scale.unit)}
             </span>
             {!embedded && !presents.value && <Controls film={film} places={places} kind={kind} />}
             <p class="note" aria-busy={places.busy.value}>
-                {`${places.words()}. ${there ? `Greatest value: ${shown(scale.largest, scale.unit)}; ${places.cells()}` : ""}`}
+                {`${places.words()}. ${there ? t("Greatest value: {largest}; {cells}", { largest: shown(scale.largest, scale.unit), cells: places.cells() }) : ""}`}
             </p>
             {/* The picture shows it at the mouse. */}
             <p class="hidden">{pointed.value && valueAt(pointed.value)}</p>
@@ -47,15 +49,13 @@ export function MapLegend({ film, places, kind }: MapProps) {
 
 /** Its value where the selected person is: so it can be read without a mouse. */
 function AtSelected({ film }: { film: Film }) {
-    const frame = film.frame(film.shown.value);
+    const frame = film.frames.frame(film.shown.value);
     const agent = selected.value;
     if (agent === null || !isThere(frame, agent)) return null;
     const value = valueAt([frame[COLUMNS * agent]!, frame[COLUMNS * agent + 1]!]);
     return (
         value && (
-            <p class="note">
-                At the selected person: <span translate={false}>{value}</span>
-            </p>
+            <p class="note">{t("At the selected person: {value}", { value })}</p>
         )
     );
 }
@@ -80,15 +80,11 @@ function Controls({ film, places, kind }: MapProps) {
     const picture = async () => void save(`${name()}.png`, await png((onto) => composeMap(onto, canvas.value!, places, kind)));
     return (
         <>
-            <NumberField label="Map from" short="from" unit="s" value={from ?? 0} min={0} max={to ?? 1e5} step={0.5} onChange={(next) => change({ span: [next || null, to] })} />
-            {to !== null && <NumberField label="Map to" short="to" unit="s" value={to} min={from ?? 0} max={1e5} step={0.5} onChange={(next) => change({ span: [from, next] })} />}
-            <Check label="to what is computed" value={to === null} onChange={(on) => change({ span: [from, on ? null : Math.max(computed(), from ?? 0)] })} />
-            <button type="button" disabled={!there || places.busy.value} onClick={csv}>
-                Map (CSV)
-            </button>
-            <button type="button" disabled={!there || places.busy.value} onClick={() => void attempt(picture)}>
-                Map (PNG)
-            </button>
+            <NumberField label={t("Map from")} short={t("from")} unit="s" value={from ?? 0} min={0} max={to ?? 1e5} step={0.5} onChange={(next) => change({ span: [next || null, to] })} />
+            {to !== null && <NumberField label={t("Map to")} short={t("to")} unit="s" value={to} min={from ?? 0} max={1e5} step={0.5} onChange={(next) => change({ span: [from, next] })} />}
+            <Check label={t("to what is computed")} value={to === null} onChange={(on) => change({ span: [from, on ? null : Math.max(computed(), from ?? 0)] })} />
+            <Button words={t("Map (CSV)")} disabled={!there || places.busy.value} onClick={csv} />
+            <Button words={t("Map (PNG)")} disabled={!there || places.busy.value} onClick={() => void attempt(picture)} />
         </>
     );
 }

@@ -4,6 +4,7 @@ import { signal } from "@preact/signals";
 import { useLayoutEffect, useRef } from "preact/hooks";
 import { send } from "./exits";
 import { add, chosen, copy, drop, movable } from "./handtool";
+import { t } from "./language";
 import { named } from "./parts";
 import { change, plan } from "./plan";
 import { placesOf } from "./places";
@@ -29,18 +30,18 @@ function items({ at, agent }: Place): Item[] {
     const found: Item[] = [];
     if (agent !== null) {
         const { id } = shown.scene.agents[agent]!;
-        if (movable.value) found.push(["Copy", () => copy(chosen.value!)]);
-        if (movable.value && shown.scene.agents.length > 1) found.push(["Delete", () => drop(chosen.value!)]);
+        if (movable.value) found.push([t("Copy"), () => copy(chosen.value!)]);
+        if (movable.value && shown.scene.agents.length > 1) found.push([t("Delete"), () => drop(chosen.value!)]);
         if (motion.kind === "go") {
             const { wishes } = motion;
-            placesOf(wishes).forEach(({ name }, k) => found.push([`Send to ${named(name)}`, () => send(wishes, id, k)]));
-            if (wishes.agents[id]) found.push(["Send where the others go", () => send(wishes, id, null)]);
+            placesOf(wishes).forEach(({ name }, k) => found.push([t("Send to {name}", { name: named(name) }), () => send(wishes, id, k)]));
+            if (wishes.agents[id]) found.push([t("Send where the others go"), () => send(wishes, id, null)]);
         }
     }
-    if (!movable.value) found.push(["Go to the start, to move people", () => void shown.show(0)]);
+    if (!movable.value) found.push([t("Go to the start, to move people"), () => void shown.show(0)]);
     else if (agent === null) {
-        found.push(["Put the person of the tab Person here", () => add(plan.value.person, at)]);
-        if (plan.value.made.base.kind === "crowd") found.push(["Turn, move and copy people", () => change({ tab: "crowd" })]);
+        found.push([t("Put the person of the tab Person here"), () => add(plan.value.person, at)]);
+        if (plan.value.made.base.kind === "crowd") found.push([t("Turn, move and copy people"), () => change({ tab: "crowd" })]);
     }
     return found;
 }
@@ -51,7 +52,7 @@ export function Menu() {
     useLayoutEffect(() => list.current?.querySelector("button")?.focus(), [now]);
     if (!now || !film.value) return null;
     const close = () => (menu.value = null);
-    const title = now.agent === null ? "The floor" : `Person ${named(film.value.scene.agents[now.agent]?.id ?? "")}`;
+    const title = now.agent === null ? t("The floor") : t("Person {id}", { id: named(film.value.scene.agents[now.agent]?.id ?? "") });
     const step = (by: number) => {
         const buttons = [...list.current!.querySelectorAll("button")];
         const at = buttons.indexOf(document.activeElement as HTMLButtonElement);

@@ -5,7 +5,8 @@ import { useEffect } from "preact/hooks";
 import { Stopped } from "./client";
 import { thingsOf } from "./draw";
 import { isOwn, KINDS, kindWords } from "./kindwords";
-import { brief, Check, Field } from "./parts";
+import { t } from "./language";
+import { brief, Check, Field, Range } from "./parts";
 import { plan } from "./plan";
 import type { Disk, KindShown } from "./protocol";
 import { client } from "./session";
@@ -29,7 +30,7 @@ async function learn() {
 
 /** The name of a kind; that of somebody's own stays as it is. */
 export function KindName({ kind }: { kind: string }) {
-    return isOwn(kind) ? <span translate={false}>{brief(kind)}</span> : <>{kindWords(kind)}</>;
+    return <>{isOwn(kind) ? brief(kind) : kindWords(kind)}</>;
 }
 
 /** Another share of a kind: the others keep their proportions, and all are whole and 100 together. */
@@ -55,7 +56,7 @@ export function percent(mix: Mix): Mix {
     return known || !(sum > 0) ? mix : shared({ ...mix, "": 0 }, "", 0);
 }
 
-/** Kinds and their shares in words; the name of somebody's own is in quotes (language.ts). */
+/** Kinds and their shares in words; the name of somebody's own is in quotes. */
 export function mixWords(mix: Mix): string[] {
     return Object.entries(percent(mix)).map(([kind, share]) => `${isOwn(kind) ? `"${brief(kind)}"` : kindWords(kind)}: ${share} %`);
 }
@@ -68,9 +69,9 @@ export function MixForm({ mix, onChange }: { mix: Mix; onChange(mix: Mix): void 
     return (
         <fieldset class="fields mix">
             <legend>
-                Kinds of people <span class="unit">[%]</span>
+                {t("Kinds of people")} <span class="unit">[%]</span>
             </legend>
-            <Check label="Children, elderly, luggage, wheelchairs" value={on} onChange={(wanted) => onChange(wanted ? FIRST : {})} />
+            <Check label={t("Children, elderly, luggage, wheelchairs")} value={on} onChange={(wanted) => onChange(wanted ? FIRST : {})} />
             {on && <Shares mix={percent(mix)} onChange={onChange} />}
         </fieldset>
     );
@@ -85,16 +86,16 @@ function Shares({ mix, onChange }: { mix: Mix; onChange(mix: Mix): void }) {
                 <Share key={kind} kind={kind} share={mix[kind] ?? 0} onChange={(share) => onChange(shared(percent(plan.peek().crowd.mix), kind, share))} />
             ))}
             <details>
-                <summary>Sources of these kinds</summary>
+                <summary>{t("Sources of these kinds")}</summary>
                 <ul class="notes">
                     {kinds.value.map(({ kind, sources }) => (
                         <li key={kind}>
-                            <KindName kind={kind} />: <span translate={false}>{sources.join("; ")}</span>
+                            <KindName kind={kind} />: {sources.join("; ")}
                         </li>
                     ))}
                 </ul>
             </details>
-            <p class="note">Shares stay at 100 % together. Each person is drawn by chance: of 80 people with 10 % of a kind, 8 ± 3 have it. The numbers of kinds have sources or are assumptions (docs/people.md).</p>
+            <p class="note">{t("Shares stay at 100 % together. Each person is drawn by chance: of 80 people with 10 % of a kind, 8 ± 3 have it. The numbers of kinds have sources or are assumptions (docs/people.md).")}</p>
         </>
     );
 }
@@ -106,12 +107,12 @@ function Share({ kind, share, onChange }: { kind: string; share: number; onChang
         if (Number.isFinite(value)) onChange(Math.max(0, Math.min(100, Math.round(value))));
     };
     return (
-        <div class="share" translate={false}>
+        <div class="share">
             <FromAbove kind={found} />
             <span class="name">
                 <KindName kind={kind} />
             </span>
-            <input type="range" min={0} max={100} step={1} value={share} aria-label={`${name}, share`} onChange={(event) => set(event.currentTarget.valueAsNumber)} />
+            <Range min={0} max={100} step={1} value={share} aria-label={t("{name}, share", { name })} onChange={set} />
             <Field type="number" min={0} max={100} step={1} value={share} aria-label={`${name}, %`} onChange={(event) => set(event.currentTarget.valueAsNumber)} />
         </div>
     );

@@ -6,31 +6,22 @@ import { useEffect } from "preact/hooks";
 import { BalanceChoice, Exits, KindSpeeds } from "./exits";
 import { exitTool } from "./exittool";
 import { MOST } from "./forms";
+import { t } from "./language";
 import { begin, mode, motion, picked, setMotion } from "./motionstate";
 import { FIRST_PUSH, FIRST_RADIUS, motionTool, remove, withWay } from "./motiontool";
-import { Check, Choice, LengthField, NumberField } from "./parts";
+import { Button, Check, Choice, LengthField, NumberField, PointFields, PointRow } from "./parts";
 import { FIRST_WISHES } from "./places";
 import { isThere, type Motion, type Push, type Waypoint } from "./protocol";
 import { bases, film } from "./session";
 import { useTool } from "./tool";
 
-const FAR = 1000;
-
-const KINDS: [Motion["kind"], string][] = [
-    ["own", "As the scene itself says"],
-    ["none", "Nobody moves by themselves"],
-    ["push", "Some are pushed"],
-    ["walk", "All walk along ways"],
-    ["go", "All walk to exits and goals"],
+const KINDS: [Motion["kind"], name: string, sentence: string][] = [
+    ["own", t("As the scene itself says"), t("An example or an opened Trial brings its own drive; people of a crowd walk one way if the tab Crowd says so.")],
+    ["none", t("Nobody moves by themselves"), t("People stand. They move only if they overlap at the start.")],
+    ["push", t("Some are pushed"), t("A push acts on each whose middle is in its circle at the start. The force on each rises and falls like half a sine.")],
+    ["walk", t("All walk along ways"), t("Everybody takes the way whose first point is nearest, or ways have shares. People go to the next point when near enough to one.")],
+    ["go", t("All walk to exits and goals"), t("People walk around walls. At an exit they leave; at a goal they stay.")],
 ];
-
-const SENTENCES: Record<Motion["kind"], string> = {
-    own: "An example or an opened Trial brings its own drive; people of a crowd walk one way if the tab Crowd says so.",
-    none: "People stand. They move only if they overlap at the start.",
-    push: "A push acts on each whose middle is in its circle at the start. The force on each rises and falls like half a sine.",
-    walk: "Everybody takes the way whose first point is nearest, or ways have shares. People go to the next point when near enough to one.",
-    go: "People walk around walls. At an exit they leave; at a goal they stay.",
-};
 
 /** What was chosen before comes back. */
 const before = new Map<Motion["kind"], Motion>();
@@ -71,15 +62,15 @@ export function MotionTab() {
     const now = motion.value;
     useTool(now.kind === "go" ? exitTool : motionTool);
     return (
-        <section class="panel" aria-label="Motion">
-            <h2>Motion</h2>
+        <section class="panel" aria-label={t("Motion")}>
+            <h2>{t("Motion")}</h2>
             <Choice
-                label="What moves them"
+                label={t("What moves them")}
                 value={now.kind}
                 choices={KINDS}
                 onChange={setKind}
             />
-            <p class="note">{SENTENCES[now.kind]}</p>
+            <p class="note">{KINDS.find(([kind]) => kind === now.kind)![2]}</p>
             {now.kind === "push" && <BalanceChoice value={now.balance} onChange={(balance) => setMotion({ ...now, balance })} />}
             {now.kind === "push" && <Pushes now={now} />}
             {now.kind === "walk" && <Walk now={now} />}
@@ -90,7 +81,7 @@ export function MotionTab() {
 
 /** Somewhere in the picture, for those who write numbers. */
 function middle(): [number, number] {
-    const frame = film.value?.frame(0);
+    const frame = film.value?.frames.frame(0);
     return frame?.length && isThere(frame, 0) ? [Number(frame[0]!.toFixed(2)), Number(frame[1]!.toFixed(2))] : [0, 0];
 }
 
@@ -99,28 +90,22 @@ function Drawing({ kind, words, hint, onWrite, write }: { kind: "push" | "way"; 
     return (
         <>
             <div class="buttons">
-                <button type="button" aria-pressed={on} onClick={() => begin(on ? "change" : kind)}>
-                    {words}
-                </button>
-                <button type="button" onClick={onWrite}>
-                    {write}
-                </button>
+                <Button words={words} aria-pressed={on} onClick={() => begin(on ? "change" : kind)} />
+                <Button words={write} onClick={onWrite} />
             </div>
             <p class="note" role="status">
-                {on ? `${hint} Esc ends it without a change.` : "What is drawn can be dragged on the picture; Delete removes what is marked."}
+                {on ? `${hint} ${t("Esc ends it without a change.")}` : t("What is drawn can be dragged on the picture; Delete removes what is marked.")}
             </p>
         </>
     );
 }
 
 /** What is drawn, each with its fields. */
-function Drawn<T>({ parts, name, none, children }: { parts: T[]; name: string; none: string; children(part: T, k: number): ComponentChildren }) {
+function Drawn<T>({ parts, name, none, children }: { parts: T[]; name(n: number): string; none: string; children(part: T, k: number): ComponentChildren }) {
     if (parts.length === 0) return <p class="note">{none}</p>;
     return parts.map((part, k) => (
         <fieldset class={picked.value === k ? "fields marked" : "fields"} key={k} onFocusCapture={() => (picked.value = k)}>
-            <legend>
-                {name} {k + 1}
-            </legend>
+            <legend>{name(k + 1)}</legend>
             {children(part, k)}
         </fieldset>
     ));
@@ -134,28 +119,25 @@ function Pushes({ now }: { now: Extract<Motion, { kind: "push" }> }) {
             {pushes.length < MOST.parts && (
                 <Drawing
                     kind="push"
-                    words="Draw a push"
-                    hint="Press at the middle of the circle and draw the arrow: 1 m of it is 500 N."
-                    write="Add a push by numbers"
+                    words={t("Draw a push")}
+                    hint={t("Press at the middle of the circle and draw the arrow: 1 m of it is 500 N.")}
+                    write={t("Add a push by numbers")}
                     onWrite={() => setMotion({ ...now, pushes: [...pushes, { ...FIRST_PUSH, at: middle() }] })}
                 />
             )}
-            <Drawn parts={pushes} name="Push" none="There is no push yet: nobody moves.">
+            <Drawn parts={pushes} name={(n) => t("Push {n}", { n })} none={t("There is no push yet: nobody moves.")}>
                 {(push, k) => {
-                    const name = `Push ${k + 1}`;
+                    const name = t("Push {n}", { n: k + 1 });
                     return (
                         <>
-                            <LengthField label={`${name}, x`} short="x" value={push.at[0]} min={-FAR} max={FAR} onChange={(x) => set(k, { at: [x, push.at[1]] })} />
-                            <LengthField label={`${name}, y`} short="y" value={push.at[1]} min={-FAR} max={FAR} onChange={(y) => set(k, { at: [push.at[0], y] })} />
-                            <LengthField label={`${name}, radius`} short="radius" value={push.radius} min={0.05} max={100} onChange={(radius) => set(k, { radius })} />
-                            <NumberField label={`${name}, direction`} short="direction" unit="°" value={push.direction} min={-360} max={360} step={5} onChange={(direction) => set(k, { direction })} />
-                            <NumberField label={`${name}, greatest force`} short="greatest force" unit="N" value={push.force} min={1} max={1e5} step={50} onChange={(force) => set(k, { force })} />
-                            <NumberField label={`${name}, start`} short="start" unit="s" value={push.start} min={0} max={1000} step={0.1} onChange={(start) => set(k, { start })} />
-                            <NumberField label={`${name}, duration`} short="duration" unit="s" value={push.duration} min={0.01} max={100} step={0.05} onChange={(duration) => set(k, { duration })} />
+                            <PointFields name={name} at={push.at} onChange={(at) => set(k, { at })} />
+                            <LengthField of={name} label={t("radius")} value={push.radius} min={0.05} max={100} onChange={(radius) => set(k, { radius })} />
+                            <NumberField of={name} label={t("direction")} unit="°" value={push.direction} min={-360} max={360} step={5} onChange={(direction) => set(k, { direction })} />
+                            <NumberField of={name} label={t("greatest force")} unit="N" value={push.force} min={1} max={1e5} step={50} onChange={(force) => set(k, { force })} />
+                            <NumberField of={name} label={t("start")} unit="s" value={push.start} min={0} max={1000} step={0.1} onChange={(start) => set(k, { start })} />
+                            <NumberField of={name} label={t("duration")} unit="s" value={push.duration} min={0.01} max={100} step={0.05} onChange={(duration) => set(k, { duration })} />
                             <Pulse push={push} />
-                            <button type="button" onClick={() => remove(k)}>
-                                Delete push {k + 1}
-                            </button>
+                            <Button words={t("Delete push {n}", { n: k + 1 })} onClick={() => remove(k)} />
                         </>
                     );
                 }}
@@ -171,16 +153,14 @@ function Pulse({ push: { start, duration, force } }: { push: Push }) {
         const share = k / 40;
         return `${(100 * (start + share * duration)) / end} ${24 - 20 * Math.sin(Math.PI * share)}`;
     });
-    const words = `The force rises from 0 at ${start} s to ${force} N and is 0 again at ${Number((start + duration).toFixed(3))} s.`;
+    const words = t("The force rises from 0 at {start} s to {force} N and is 0 again at {end} s.", { start, force, end: Number((start + duration).toFixed(3)) });
     return (
         <figure class="pulse">
             <svg viewBox="0 0 100 28" preserveAspectRatio="none" role="img" aria-label={words}>
                 <path d="M0 24H100" class="axis" />
                 <path d={`M0 24H${(100 * start) / end}L${points.join("L")}H100`} class="curve" />
             </svg>
-            <figcaption class="note">
-                0 to {Number(end.toFixed(2))} s; {force} N at {Number((start + duration / 2).toFixed(3))} s
-            </figcaption>
+            <figcaption class="note">{t("0 to {end} s; {force} N at {time} s", { end: Number(end.toFixed(2)), force, time: Number((start + duration / 2).toFixed(3)) })}</figcaption>
         </figure>
     );
 }
@@ -194,47 +174,37 @@ function Walk({ now }: { now: Extract<Motion, { kind: "walk" }> }) {
     };
     return (
         <>
-            <NumberField label="Desired speed" unit="m/s" value={speed} min={0} max={20} step={0.1} onChange={(next) => setMotion({ ...now, speed: next })} />
+            <NumberField label={t("Desired speed")} unit="m/s" value={speed} min={0} max={20} step={0.1} onChange={(next) => setMotion({ ...now, speed: next })} />
             <KindSpeeds />
             {ways.length < MOST.ways && (
                 <Drawing
                     kind="way"
-                    words="Draw a way"
-                    hint="Click its points one after the other. Enter or a double click ends it."
-                    write="Add a way by numbers"
+                    words={t("Draw a way")}
+                    hint={t("Click its points one after the other. Enter or a double click ends it.")}
+                    write={t("Add a way by numbers")}
                     onWrite={add}
                 />
             )}
-            {(ways.length > 1 || shares) && <Check label="Each way gets a share of the people" value={shares !== null} onChange={(on) => setMotion({ ...now, shares: on ? ways.map(() => 1) : null })} />}
-            {shares && <NumberField label="Seed" value={seed} min={0} max={2 ** 53 - 1} step={1} onChange={(next) => setMotion({ ...now, seed: next })} />}
-            <Drawn parts={ways} name="Way" none="There is no way yet: nobody walks.">
+            {(ways.length > 1 || shares) && <Check label={t("Each way gets a share of the people")} value={shares !== null} onChange={(on) => setMotion({ ...now, shares: on ? ways.map(() => 1) : null })} />}
+            {shares && <NumberField label={t("Seed")} value={seed} min={0} max={2 ** 53 - 1} step={1} onChange={(next) => setMotion({ ...now, seed: next })} />}
+            <Drawn parts={ways} name={(n) => t("Way {n}", { n })} none={t("There is no way yet: nobody walks.")}>
                 {(way, w) => (
                     <>
-                        {shares && <NumberField label={`Way ${w + 1}, share`} short="share" value={shares[w]!} min={0} max={1e6} step={0.5} onChange={(share) => setMotion({ ...now, shares: shares.map((old, j) => (j === w ? share : old)) })} />}
+                        {shares && <NumberField of={t("Way {n}", { n: w + 1 })} label={t("share")} value={shares[w]!} min={0} max={1e6} step={0.5} onChange={(share) => setMotion({ ...now, shares: shares.map((old, j) => (j === w ? share : old)) })} />}
                         {way.map((point, k) => {
-                            const name = `Way ${w + 1}, point ${k + 1}`;
+                            const name = `${t("Way {n}", { n: w + 1 })}, ${t("point {n}", { n: k + 1 })}`;
                             const put = (part: Partial<Waypoint>) => setWay(w, way.map((old, j) => (j === k ? { ...old, ...part } : old)));
                             return (
-                                <div class="row" key={k}>
-                                    <span class="which">{k + 1}</span>
-                                    <LengthField label={`${name}, x`} short="x" value={point.x} min={-FAR} max={FAR} onChange={(x) => put({ x })} />
-                                    <LengthField label={`${name}, y`} short="y" value={point.y} min={-FAR} max={FAR} onChange={(y) => put({ y })} />
-                                    <LengthField label={`${name}, radius`} short="radius" value={point.radius} min={0.05} max={100} onChange={(radius) => put({ radius })} />
-                                    <button type="button" aria-label={`Delete ${name.toLowerCase()}`} onClick={() => setWay(w, way.filter((_, j) => j !== k))}>
-                                        ×
-                                    </button>
-                                </div>
+                                <PointRow key={k} k={k} name={name} at={[point.x, point.y]} onChange={([x, y]) => put({ x, y })} onDelete={() => setWay(w, way.filter((_, j) => j !== k))}>
+                                    <LengthField of={name} label={t("radius")} value={point.radius} min={0.05} max={100} onChange={(radius) => put({ radius })} />
+                                </PointRow>
                             );
                         })}
                         <div class="buttons">
                             {way.length < MOST.points && (
-                                <button type="button" onClick={() => setWay(w, [...way, { ...way.at(-1)!, x: way.at(-1)!.x + 1 }])}>
-                                    Add a point
-                                </button>
+                                <Button words={t("Add a point")} onClick={() => setWay(w, [...way, { ...way.at(-1)!, x: way.at(-1)!.x + 1 }])} />
                             )}
-                            <button type="button" onClick={() => remove(w)}>
-                                Delete way {w + 1}
-                            </button>
+                            <Button words={t("Delete way {n}", { n: w + 1 })} onClick={() => remove(w)} />
                         </div>
                     </>
                 )}

@@ -55,10 +55,13 @@ export function addPoint({ at, double }: Pointer, most: number, finish: () => vo
     if (double || sketch.value.length >= most) finish();
 }
 
-/** Keys while something is drawn point by point. */
-export function drawingKey(event: KeyboardEvent, finish: () => void): boolean {
-    if (event.key === "Enter") finish();
-    else if (event.key === "Backspace") sketch.value = sketch.value.slice(0, -1);
+/** Keys while something is drawn point by point, or marked. */
+export function toolKey(event: KeyboardEvent, finish: () => void, remove: (k: number) => void): boolean {
+    const drawing = mode.value !== "change";
+    if (event.key === "Escape" && drawing) begin("change");
+    else if (event.key === "Enter" && drawing) finish();
+    else if (event.key === "Backspace" && drawing) sketch.value = sketch.value.slice(0, -1);
+    else if (event.key === "Delete" && picked.value !== null) remove(picked.value);
     else return false;
     return true;
 }

@@ -2,7 +2,7 @@
 
 import { ARROW, label, paintPush, paintWays, tip } from "./draw";
 import { MOST } from "./forms";
-import { addPoint, begin, clicks, dragged, drawingKey, hover, mode, motion, picked, setMotion, sketch, standing } from "./motionstate";
+import { addPoint, begin, clicks, dragged, hover, mode, motion, picked, setMotion, sketch, standing, toolKey } from "./motionstate";
 import type { Motion, Point, Push, Waypoint } from "./protocol";
 import { distance, snapped } from "./roomshape";
 import type { Pointer, Tool } from "./tool";
@@ -128,14 +128,7 @@ export const motionTool: Tool = {
         const usual = (push: Push) => (drawn && push.force <= LEAST ? { ...push, force: FIRST_PUSH.force } : push);
         setMotion({ ...next, pushes: next.pushes.map((push, k) => (k === picked.value ? usual(push) : push)) });
     },
-    key(event) {
-        const drawing = mode.value !== "change";
-        if (event.key === "Escape" && drawing) begin("change");
-        else if (mode.value === "way" && drawingKey(event, finish)) return true;
-        else if (event.key === "Delete" && picked.value !== null) remove(picked.value);
-        else return false;
-        return true;
-    },
+    key: (event) => toolKey(event, finish, remove),
     paint(context, view, inks) {
         const now = motion.value;
         if (now.kind === "push") {

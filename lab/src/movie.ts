@@ -1,6 +1,8 @@
 // A movie of the frames that were computed, recorded by the browser while they are shown.
 
 import type { Film } from "./film";
+import { t } from "./language";
+import { canvas } from "./layout";
 import { compose } from "./picture";
 import { withDuration } from "./webm";
 
@@ -11,8 +13,8 @@ const STAY = 0.25;
 
 /** Why the browser records no movies; empty if it does. */
 export function whyNoMovie(): string {
-    if (!("MediaRecorder" in globalThis) || !HTMLCanvasElement.prototype.captureStream) return "This browser cannot record a canvas.";
-    return KINDS.some((kind) => MediaRecorder.isTypeSupported(kind)) ? "" : "This browser does not record WebM.";
+    if (!("MediaRecorder" in globalThis) || !HTMLCanvasElement.prototype.captureStream) return t("This browser cannot record a canvas.");
+    return KINDS.some((kind) => MediaRecorder.isTypeSupported(kind)) ? "" : t("This browser does not record WebM.");
 }
 
 export class Movie {
@@ -20,7 +22,6 @@ export class Movie {
 
     constructor(
         readonly film: Film,
-        readonly canvas: () => HTMLCanvasElement | null,
         /** Simulated seconds in a second. */
         readonly pace: number,
         /** Is told which share is recorded. */
@@ -36,8 +37,7 @@ export class Movie {
         const { film } = this;
         const picture = document.createElement("canvas");
         const paint = () => {
-            const from = this.canvas();
-            if (from) compose(picture, from, film);
+            if (canvas.value) compose(picture, canvas.value, film);
         };
         void film.show(0);
         await nextPicture();
@@ -51,7 +51,7 @@ export class Movie {
         recorder.ondataavailable = ({ data }) => parts.push(data);
         const ended = new Promise<void>((done, failed) => {
             recorder.onstop = () => done();
-            recorder.onerror = () => failed(new Error("the browser could not record the movie"));
+            recorder.onerror = () => failed(new Error(t("the browser could not record the movie")));
         });
         // No pictures come while the page is hidden.
         let [recorded, since] = [0, 0];

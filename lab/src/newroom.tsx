@@ -1,6 +1,8 @@
 // A room to begin with.
 
 import { FIRST_CROWD } from "./forms";
+import { t } from "./language";
+import { Button } from "./parts";
 import { change } from "./plan";
 import { rectangle } from "./roomshape";
 import { open } from "./scenes";
@@ -13,8 +15,6 @@ export function NewRoom() {
         change({ tab: "room" });
     };
     return (
-        <button type="button" title="10 m × 8 m, with one person: draw the room, then say in the tab Crowd how many are in it" onClick={begin}>
-            New empty room
-        </button>
+        <Button words={t("New empty room")} title={t("10 m × 8 m, with one person: draw the room, then say in the tab Crowd how many are in it")} onClick={begin} />
     );
 }

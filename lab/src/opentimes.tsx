@@ -1,50 +1,37 @@
 // When an exit or a door is open, as fields.
 
 import { MOST } from "./forms";
-import { NumberField } from "./parts";
+import { inner, t } from "./language";
+import { Button, Check, NumberField } from "./parts";
 import type { OpenTime } from "./protocol";
 import { film } from "./session";
 
 /** How long it is open after it opens, at first; and the latest time that is taken, in s. */
 const [OPEN, LATEST] = [60, 1e5];
 
-interface OpenTimesProps {
-    /** Of what is open. */
-    name: string;
-    /** None: always. */
-    times: OpenTime[] | null;
-    onChange(times: OpenTime[] | null): void;
-}
-
-export function OpenTimes({ name, times: given, onChange }: OpenTimesProps) {
+/** Of what is open, by its name; without times it always is. */
+export function OpenTimes({ name, times: given, onChange }: { name: string; times: OpenTime[] | null; onChange(times: OpenTime[] | null): void }) {
     const times = given ?? [];
     const step = film.value?.scene.step ?? 0.01;
     const put = (next: OpenTime[]) => onChange(next.length > 0 ? next : null);
     const last = times.at(-1)?.[1] ?? 0;
     return (
         <>
-            <label class="check">
-                <input type="checkbox" checked={given !== null} onChange={(event) => put(event.currentTarget.checked ? [[0, OPEN]] : [])} />
-                <span class="hidden">{name}, </span>open at times only
-            </label>
+            <Check label={[<span class="hidden">{name}, </span>, t("open at times only")]} value={given !== null} onChange={(on) => put(on ? [[0, OPEN]] : [])} />
             {times.map(([from, to], j) => {
-                const opening = `${name}, opening ${j + 1}`;
+                const opening = `${name}, ${t("opening {n}", { n: j + 1 })}`;
                 const turn = (part: OpenTime) => put(times.map((old, i) => (i === j ? part : old)));
                 return (
                     <div class="row" key={j}>
-                        <NumberField label={`${opening}, from`} short="from" unit="s" value={from} min={j > 0 ? times[j - 1]![1] + step : 0} max={to - step} step={5} onChange={(next) => turn([next, to])} />
-                        <NumberField label={`${opening}, to`} short="to" unit="s" value={to} min={from + step} max={j + 1 < times.length ? times[j + 1]![0] - step : LATEST} step={5} onChange={(next) => turn([from, next])} />
-                        <button type="button" aria-label={`Delete ${opening.toLowerCase()}`} onClick={() => put(times.filter((_, i) => i !== j))}>
-                            ×
-                        </button>
+                        <NumberField of={opening} label={t("from")} unit="s" value={from} min={j > 0 ? times[j - 1]![1] + step : 0} max={to - step} step={5} onChange={(next) => turn([next, to])} />
+                        <NumberField of={opening} label={t("to")} unit="s" value={to} min={from + step} max={j + 1 < times.length ? times[j + 1]![0] - step : LATEST} step={5} onChange={(next) => turn([from, next])} />
+                        <Button words="×" aria-label={t("Delete {name}", { name: inner(opening) })} onClick={() => put(times.filter((_, i) => i !== j))} />
                     </div>
                 );
             })}
             {given && times.length < MOST.times && last + 2 * OPEN <= LATEST && (
                 <div class="buttons">
-                    <button type="button" onClick={() => put([...times, [last + OPEN, last + 2 * OPEN]])}>
-                        Add a time
-                    </button>
+                    <Button words={t("Add a time")} onClick={() => put([...times, [last + OPEN, last + 2 * OPEN]])} />
                 </div>
             )}
         </>

@@ -1,53 +1,52 @@
 // The page: its parts and what is above them.
 
 import { signal } from "@preact/signals";
-import { render } from "preact";
+import { type JSX, render } from "preact";
 import { Busy } from "./busy";
 import { CrowdTab } from "./crowd";
-import { choose, language, type Language, LANGUAGES, load } from "./language";
-import { canvas, present, presents } from "./layout";
+import { choose, language, type Language, LANGUAGES, t, unloaded } from "./language";
+import { present, presents } from "./layout";
 import { follow } from "./live";
 import { MotionTab } from "./motion";
 import { Numbers } from "./numbers";
-import { copy, Icon } from "./parts";
+import { Button, copy, Icon } from "./parts";
 import { PersonTab } from "./person";
-import { canRedo, canUndo, change, embedded, link, onlyHere, type Plan, plan, redo, scene, undo, unlinked } from "./plan";
+import { canRedo, canUndo, change, link, onlyHere, type Plan, plan, redo, scene, undo, unlinked } from "./plan";
 import { isPlan, openPlan } from "./plans";
 import { Report, report } from "./report";
 import { RoomTab } from "./room";
 import { Title } from "./scenelist";
 import { begin as keepScenes } from "./scenes";
-import { attempt, begin, client, film, notes, problem, said } from "./session";
+import { attempt, begin, film, notes, problem, said } from "./session";
 import { Stage } from "./stage";
 import { StartTab } from "./start";
+import { embedded } from "./storage";
 import { TakeTab } from "./take";
 import { Tour } from "./tour";
 import { Compute } from "./transport";
 import { dropped, openTrial } from "./upload";
 
 const TABS: [Plan["tab"], string][] = [
-    ["start", "Start"],
-    ["room", "Room"],
-    ["crowd", "Crowd"],
-    ["motion", "Motion"],
-    ["person", "Person"],
-    ["take", "Take away"],
+    ["start", t("Start")],
+    ["room", t("Room")],
+    ["crowd", t("Crowd")],
+    ["motion", t("Motion")],
+    ["person", t("Person")],
+    ["take", t("Take away")],
 ];
 
 /** Above the stage alone. */
 function Bare() {
     return (
         <header class="bare">
-            <h1 translate={false}>{scene.value.name}</h1>
+            <h1>{scene.value.name}</h1>
             <div class="tools">
                 {embedded ? (
                     <a href={link()} target="_blank" rel="noopener">
-                        Open in the LEMONS lab
+                        {t("Open in the LEMONS lab")}
                     </a>
                 ) : (
-                    <button type="button" onClick={() => present(false)}>
-                        End the presentation
-                    </button>
+                    <Button words={t("End the presentation")} onClick={() => present(false)} />
                 )}
             </div>
         </header>
@@ -56,36 +55,27 @@ function Bare() {
 
 function Header() {
     const { tab, unit } = plan.value;
+    const other = unit === "m" ? "cm" : "m";
     return (
         <header>
-            <h1>LEMONS lab</h1>
+            <h1>{t("LEMONS lab")}</h1>
             <Title />
-            <nav aria-label="Parts">
+            <nav aria-label={t("Parts")}>
                 {TABS.map(([key, words]) => (
-                    <button key={key} type="button" aria-current={tab === key ? "page" : undefined} onClick={() => go(key)}>
-                        {words}
-                    </button>
+                    <Button key={key} words={words} aria-current={tab === key ? "page" : undefined} onClick={() => go(key)} />
                 ))}
-                <button type="button" class="phone" aria-pressed={sheet.value === "numbers"} onClick={() => (sheet.value = sheet.value === "numbers" ? null : "numbers")}>
-                    Numbers
-                </button>
+                <Button words={t("Numbers")} class="phone" aria-pressed={sheet.value === "numbers"} onClick={() => (sheet.value = sheet.value === "numbers" ? null : "numbers")} />
             </nav>
             <div class="tools">
-                <button type="button" aria-label="Undo" title="Undo (Ctrl+Z)" disabled={!canUndo.value} onClick={undo}>
+                <button type="button" aria-label={t("Undo")} title={t("Undo (Ctrl+Z)")} disabled={!canUndo.value} onClick={undo}>
                     <Icon path="M6 2L2 6l4 4V7h4a2 2 0 0 1 0 4H6v2h4a4 4 0 0 0 0-8H6z" />
                 </button>
-                <button type="button" aria-label="Redo" title="Redo (Ctrl+Y)" disabled={!canRedo.value} onClick={redo}>
+                <button type="button" aria-label={t("Redo")} title={t("Redo (Ctrl+Y)")} disabled={!canRedo.value} onClick={redo}>
                     <Icon path="M10 2l4 4-4 4V7H6a2 2 0 0 0 0 4h4v2H6a4 4 0 0 1 0-8h4z" />
                 </button>
-                <button type="button" aria-label={`${unit}: show lengths in ${unit === "m" ? "cm" : "m"}`} title={`Show lengths in ${unit === "m" ? "cm" : "m"}`} onClick={() => change({ unit: unit === "m" ? "cm" : "m" })}>
-                    {unit}
-                </button>
-                <button type="button" class="large" title="Shows the stage alone (F); Escape ends it" onClick={() => present(true)}>
-                    Present
-                </button>
-                <button type="button" onClick={() => void attempt(copyLink)}>
-                    Copy link
-                </button>
+                <Button words={unit} aria-label={`${unit}: ${t("show lengths in {unit}", { unit: other })}`} title={t("Show lengths in {unit}", { unit: other })} onClick={() => change({ unit: other })} />
+                <Button words={t("Present")} class="large" title={t("Shows the stage alone (F); Escape ends it")} onClick={() => present(true)} />
+                <Button words={t("Copy link")} onClick={() => void attempt(copyLink)} />
             </div>
         </header>
     );
@@ -100,25 +90,17 @@ function go(tab: Plan["tab"]) {
 
 async function copyLink() {
     await copy(link());
-    const files = unlinked(plan.value).map((name) => `"${name}"`).join(" and ");
-    const holds = files ? `It does not hold ${files}: who opens it elsewhere needs the file.` : "It holds the whole scene.";
-    said.value = ["The link is copied.", holds, onlyHere].filter(Boolean).join(" ");
+    const files = unlinked(plan.value).map((name) => `"${name}"`).join(t(" and "));
+    const holds = files ? t("It does not hold {files}: who opens it elsewhere needs the file.", { files }) : t("It holds the whole scene.");
+    said.value = [t("The link is copied."), holds, onlyHere].filter(Boolean).join(" ");
 }
+
+const PANELS: Partial<Record<Plan["tab"], () => JSX.Element>> = { start: StartTab, room: RoomTab, crowd: CrowdTab, motion: MotionTab };
 
 function Panel() {
     const shown = film.value;
-    switch (plan.value.tab) {
-        case "start":
-            return <StartTab />;
-        case "room":
-            return <RoomTab />;
-        case "crowd":
-            return <CrowdTab />;
-        case "motion":
-            return <MotionTab />;
-        default:
-            return shown && <TakeTab film={shown} client={client} canvas={() => canvas.value} said={(words) => (said.value = words)} />;
-    }
+    const Forms = PANELS[plan.value.tab];
+    return Forms ? <Forms /> : shown && <TakeTab film={shown} />;
 }
 
 /** Whether something is dragged over the page. */
@@ -139,7 +121,7 @@ function Page() {
                 <Report film={shown} />
             ) : tab === "person" && !alone ? (
                 <main class="whole">
-                    <PersonTab client={client} />
+                    <PersonTab />
                 </main>
             ) : (
                 <main class={alone ? "columns alone" : "columns"}>
@@ -154,7 +136,7 @@ function Page() {
                             <Panel />
                         </div>
                     )}
-                    {shown ? <Stage key="stage" film={shown} /> : <p role="status">{problem.value ? "" : "One moment …"}</p>}
+                    {shown ? <Stage key="stage" film={shown} /> : <p role="status">{problem.value ? "" : t("One moment …")}</p>}
                     {!alone && <div class={open("numbers")}>{shown && <Numbers film={shown} />}</div>}
                 </main>
             )}
@@ -163,7 +145,7 @@ function Page() {
             <footer hidden={alone}>
                 <p role="status">{said.value}</p>
                 <Busy />
-                <select aria-label="Language" value={language} onChange={(event) => choose(event.currentTarget.value as Language)}>
+                <select aria-label={t("Language")} value={language} onChange={(event) => choose(event.currentTarget.value as Language)}>
                     {Object.entries(LANGUAGES).map(([key, name]) => (
                         <option key={key} value={key} lang={key}>
                             {name}
@@ -171,10 +153,10 @@ function Page() {
                     ))}
                 </select>
                 <span class="unit">
-                    Computed in your browser: nothing that you open leaves this machine. <a href="licences.txt">Licences</a>
+                    {t("Computed in your browser: nothing that you open leaves this machine.")} <a href="licences.txt">{t("Licences")}</a>
                 </span>
             </footer>
-            {over.value && <p class="drop">Drop a zip or a folder with a Trial, a plan, or a picture</p>}
+            {over.value && <p class="drop">{t("Drop a zip or a folder with a Trial, a plan, or a picture")}</p>}
         </>
     );
 }
@@ -186,21 +168,17 @@ function News() {
             {problem.value && (
                 <div role="alert" class="problem">
                     <pre>{problem.value}</pre>
-                    <button type="button" aria-label="Close this message" onClick={() => (problem.value = "")}>
-                        ×
-                    </button>
+                    <Button words="×" aria-label={t("Close this message")} onClick={() => (problem.value = "")} />
                 </div>
             )}
             {notes.value.length > 0 && (
                 <div class="problem note">
-                    <ul class="notes" aria-label="Notes">
+                    <ul class="notes" aria-label={t("Notes")}>
                         {notes.value.map((note) => (
                             <li key={note}>{note}</li>
                         ))}
                     </ul>
-                    <button type="button" aria-label="Close these notes" onClick={() => (notes.value = [])}>
-                        ×
-                    </button>
+                    <Button words="×" aria-label={t("Close these notes")} onClick={() => (notes.value = [])} />
                 </div>
             )}
         </div>
@@ -247,6 +225,5 @@ if (location.hostname !== "127.0.0.1" && !embedded) navigator.serviceWorker?.reg
 begin();
 follow();
 keepScenes();
-load()
-    .catch((error: Error) => (problem.value = `The language could not be loaded: ${error.message}`))
-    .finally(() => render(<Page />, document.getElementById("lab")!));
+if (unloaded) problem.value = `The language could not be loaded: ${unloaded}`;
+render(<Page />, document.getElementById("lab")!);

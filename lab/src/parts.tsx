@@ -1,12 +1,17 @@
 // Small parts of forms.
 
-import type { ComponentChildren, ComponentProps, Ref } from "preact";
-import { useId, useState } from "preact/hooks";
+import { signal } from "@preact/signals";
+import { type ComponentChildren, type ComponentProps, type ComponentType, h, type Ref } from "preact";
+import { useEffect, useId, useState } from "preact/hooks";
+import { inner, t } from "./language";
 import { plan } from "./plan";
+import type { Point } from "./protocol";
 
 interface NumberProps {
+    /** What it is a number of, if that is seen elsewhere. */
+    of?: string;
     label: string;
-    /** What is seen, if the whole label is too long for it; a part of the label. */
+    /** What is seen, if the whole label is too long for it. */
     short?: string;
     unit?: string;
     /** What it is. */
@@ -26,21 +31,23 @@ export function Field(props: ComponentProps<"input">) {
 }
 
 /** A number with its unit. What is out of range is not taken; it stays there, with the reason. */
-export function NumberField({ label, short, unit, title, value, min, max, step, onChange }: NumberProps) {
+export function NumberField({ of, label, short, unit, title, value, min, max, step, onChange }: NumberProps) {
     // What was typed, as long as the value is not changed in another way.
     const [typed, setTyped] = useState<{ text: string; instead: number } | null>(null);
     const wrong = typed?.instead === value;
     const id = useId();
+    const range = { name: of ? `${of}, ${label}` : label, min, max: unit ? `${max} ${unit}` : max };
     return (
         <div class="field">
             <label for={id} title={title}>
-                {short && label.slice(0, -short.length) && <span class="hidden">{label.slice(0, -short.length)}</span>}
+                {of && <span class="hidden">{of}, </span>}
                 {short ?? label}
                 {unit && <span class="unit"> [{unit}]</span>}
             </label>
             <Field
                 id={id}
                 type="number"
+                aria-label={short && label}
                 value={wrong ? typed!.text : value}
                 min={min}
                 max={max}
@@ -57,9 +64,7 @@ export function NumberField({ label, short, unit, title, value, min, max, step, 
             />
             {wrong && (
                 <p id={`${id}-why`} class="note" role="alert">
-                    {label}: {step === 1 ? "a whole number, " : ""}
-                    {min} to {max}
-                    {unit && ` ${unit}`}
+                    {step === 1 ? t("{name}: a whole number, {min} to {max}", range) : t("{name}: {min} to {max}", range)}
                 </p>
             )}
         </div>
@@ -87,12 +92,43 @@ export function LengthField({ value, min, max, onChange, ...words }: LengthProps
     );
 }
 
+/** In m: the largest coordinate of what is drawn. */
+export const FAR = 1000;
+
+interface PointProps {
+    name: string;
+    at: Point;
+    far?: number;
+    onChange(at: Point): void;
+}
+
+export function PointFields({ name, at: [x, y], far = FAR, onChange }: PointProps) {
+    return (
+        <>
+            <LengthField of={name} label="x" value={x} min={-far} max={far} onChange={(to) => onChange([to, y])} />
+            <LengthField of={name} label="y" value={y} min={-far} max={far} onChange={(to) => onChange([x, to])} />
+        </>
+    );
+}
+
+/** One point of several, with its number; without `onDelete` it stays. */
+export function PointRow({ k, children, onDelete, ...point }: PointProps & { k: number; children?: ComponentChildren; onDelete?(): void }) {
+    return (
+        <div class="row">
+            <span class="which">{k + 1}</span>
+            <PointFields {...point} />
+            {children}
+            {onDelete && <Button words="×" aria-label={t("Delete {name}", { name: inner(point.name) })} onClick={onDelete} />}
+        </div>
+    );
+}
+
 /** A length in m as it is read. */
 export function length(value: number, unit: "m" | "cm") {
     return unit === "cm" ? `${Number((100 * value).toFixed(1))} cm` : `${Number(value.toFixed(3))} m`;
 }
 
-export function Check({ label, value, onChange }: { label: string; value: boolean; onChange(value: boolean): void }) {
+export function Check({ label, value, onChange }: { label: ComponentChildren; value: boolean; onChange(value: boolean): void }) {
     return (
         <label class="check">
             <input type="checkbox" checked={value} onChange={(event) => onChange(event.currentTarget.checked)} />
@@ -101,17 +137,35 @@ export function Check({ label, value, onChange }: { label: string; value: boolea
     );
 }
 
+type RangeProps = Record<"value" | "min" | "max", number> & { step?: number; "aria-label"?: string; "aria-valuetext"?: string; onSlide?(value: number): void; onChange?(value: number): void };
+
+/** A slider: `onSlide` hears it move, `onChange` where it is let go. */
+export function Range({ onSlide, onChange, ...given }: RangeProps) {
+    return <input type="range" {...given} onInput={(event) => onSlide?.(event.currentTarget.valueAsNumber)} onChange={(event) => onChange?.(event.currentTarget.valueAsNumber)} />;
+}
+
+/** A button with words, or a sign, on it. */
+export function Button({ words, ...given }: { words: string | number } & ComponentProps<"button">) {
+    return (
+        <button type="button" {...given}>
+            {words}
+        </button>
+    );
+}
+
 interface ChoiceProps<T extends string> {
-    label: string;
+    label: ComponentChildren;
+    /** Its label is only heard. */
+    hidden?: boolean;
     value: T;
-    choices: readonly (readonly [T, string])[];
+    choices: readonly (readonly [T, string, ...unknown[]])[];
     onChange(value: T): void;
 }
 
-export function Choice<T extends string>({ label, value, choices, onChange }: ChoiceProps<T>) {
+export function Choice<T extends string>({ label, hidden, value, choices, onChange }: ChoiceProps<T>) {
     return (
         <label class="field">
-            <span>{label}</span>
+            <span class={hidden ? "hidden" : undefined}>{label}</span>
             <select value={value} onChange={(event) => onChange(event.currentTarget.value as T)}>
                 {choices.map(([key, words]) => (
                     <option key={key} value={key}>
@@ -142,7 +196,7 @@ export function Meanings({ of }: { of: [string, string][] }) {
     if (of.length === 0) return null;
     return (
         <details>
-            <summary>What these words mean</summary>
+            <summary>{t("What these words mean")}</summary>
             <dl class="note">
                 {of.map(([name, meaning]) => (
                     <>
@@ -183,6 +237,28 @@ export function Icon({ path }: { path: string }) {
     );
 }
 
+/** A part in three dimensions, whose file is loaded when it is first wanted. */
+export function in3d<P extends object>(load: () => Promise<{ default: ComponentType<P> }>) {
+    const found = signal<ComponentType<P> | null>(null);
+    const missing = signal("");
+    return function Part(props: P) {
+        useEffect(() => {
+            if (found.value) return;
+            load().then(
+                (file) => (found.value = file.default),
+                ({ message }: Error) => (missing.value = t("3D could not be loaded: {message}", { message })),
+            );
+        }, []);
+        if (found.value) return h(found.value, props);
+        if (!missing.value) return <p role="status">{t("3D is loaded …")}</p>;
+        return (
+            <p role="alert">
+                {missing.value} <Button words={t("Load the page again")} onClick={() => location.reload()} />
+            </p>
+        );
+    };
+}
+
 interface SpaceProps {
     canvas: Ref<HTMLCanvasElement>;
     /** Why there is no picture; empty if there is one. */
@@ -217,7 +293,7 @@ export function brief(name: string, most = 24) {
     return name.length > most ? `${name.slice(0, most)}…` : name;
 }
 
-/** A name from outside in a sentence: in quotes, unless it is a number (language.ts). */
+/** A name from outside in a sentence: in quotes, unless it is a number. */
 export function named(name: string) {
     return /^\d+$/.test(name) ? name : `"${brief(name)}"`;
 }
@@ -236,7 +312,7 @@ export function save(called: string, content: BlobPart): string {
 
 /** Puts a text into the clipboard. */
 export async function copy(text: string) {
-    if (!navigator.clipboard) throw new Error(`This browser copies nothing from such a page; this was to be copied: ${text}`);
+    if (!navigator.clipboard) throw new Error(t("This browser copies nothing from such a page; this was to be copied: {text}", { text }));
     await navigator.clipboard.writeText(text);
 }
 

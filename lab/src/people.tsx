@@ -1,26 +1,27 @@
 // Who the people of a crowd are: as surveyed, from statistics of the user's, or measured people.
 
 import { signal } from "@preact/signals";
+import { inner, t } from "./language";
 import { Choice, Field, Head } from "./parts";
 import { type KeptPeople, MOST } from "./forms";
 import { plan } from "./plan";
 import type { Four, Normal, Sex } from "./protocol";
-import { FileInput, type Given, taken } from "./upload";
+import { FileInput, type Given, taken, tooLong } from "./upload";
 
 type Statistics = Extract<KeptPeople, { kind: "statistics" }>;
 type Table = Extract<KeptPeople, { kind: "table" }>;
 
 const MEASURES = [
-    ["breadth", "Bideltoid breadth"],
-    ["depth", "Chest depth"],
-    ["stature", "Stature"],
-    ["mass", "Mass"],
+    ["breadth", t("Bideltoid breadth")],
+    ["depth", t("Chest depth")],
+    ["stature", t("Stature")],
+    ["mass", t("Mass")],
 ] as const;
 const SEXES = [
-    ["male", "Men"],
-    ["female", "Women"],
+    ["male", t("Men")],
+    ["female", t("Women")],
 ] as const;
-const VALUES = ["mean", "SD", "least", "most"] as const;
+const VALUES = [t("mean"), t("SD"), t("least"), t("most")];
 
 const FIRST: Statistics = {
     kind: "statistics",
@@ -46,12 +47,12 @@ export function People({ people, onChange }: { people: KeptPeople; onChange(peop
     return (
         <>
             <Choice
-                label="Who they are"
+                label={t("Who they are")}
                 value={kind}
                 choices={[
-                    ["survey", "As in the survey ANSUR II"],
-                    ["statistics", "From statistics of your own"],
-                    ["table", "From tables of measured people"],
+                    ["survey", t("As in the survey ANSUR II")],
+                    ["statistics", t("From statistics of your own")],
+                    ["table", t("From tables of measured people")],
                 ]}
                 onChange={choose}
             />
@@ -59,11 +60,10 @@ export function People({ people, onChange }: { people: KeptPeople; onChange(peop
             {kind === "table" && (
                 <>
                     <p class="note">
-                        {people.kind === "table" ? `They are drawn from ${people.files.map(([, name]) => `"${name}"`).join(" and ")}.` : "Until a table is chosen, people are as in the survey."} Tables
-                        have the columns of ANSUR_II_MALE_Public.csv and ANSUR_II_FEMALE_Public.csv; FEMALE or MALE in the name says whom they hold.
+                        {people.kind === "table" ? t("They are drawn from {files}.", { files: people.files.map(([, name]) => `"${name}"`).join(t(" and ")) }) : t("Until a table is chosen, people are as in the survey.")} {t("Tables have the columns of ANSUR_II_MALE_Public.csv and ANSUR_II_FEMALE_Public.csv; FEMALE or MALE in the name says whom they hold.")}
                     </p>
                     <FileInput
-                        label="Choose tables (one or two)"
+                        label={t("Choose tables (one or two)")}
                         accept=".csv,text/csv"
                         several
                         onFiles={async (given) => {
@@ -81,14 +81,14 @@ export function People({ people, onChange }: { people: KeptPeople; onChange(peop
 function sexOf(name: string): Sex {
     if (/female|women/i.test(name)) return "female";
     if (/male|men/i.test(name)) return "male";
-    throw new Error(`${name}: the name says neither MALE nor FEMALE`);
+    throw new Error(t("{name}: the name says neither MALE nor FEMALE", { name }));
 }
 
 async function table(given: Given[]): Promise<Table> {
     const files = given.map(({ file }) => [sexOf(file.name), file.name, file.size] as [Sex, string, number]);
-    if (files.length > 2 || (files.length === 2 && files[0]![0] === files[1]![0])) throw new Error("choose one table of men, one of women, or both");
+    if (files.length > 2 || (files.length === 2 && files[0]![0] === files[1]![0])) throw new Error(t("choose one table of men, one of women, or both"));
     const long = files.find(([, name]) => name.length > MOST.name);
-    if (long) throw new Error(`the name ${long[1].slice(0, 20)}… has more than ${MOST.name} letters`);
+    if (long) throw new Error(tooLong(long[1]));
     return { kind: "table", files, key: await taken(given.map(({ file }) => file)) };
 }
 
@@ -102,8 +102,8 @@ function StatisticsTable({ people, onChange }: { people: Statistics; onChange(pe
         <div class="wide">
             {SEXES.map(([sex, who]) => (
                 <table class="statistics" key={sex}>
-                    <caption>{who}: normal distributions between the least and the most</caption>
-                    <Head of={["Measure", ...VALUES]} />
+                    <caption>{t("{who}: normal distributions between the least and the most", { who })}</caption>
+                    <Head of={[t("Measure"), ...VALUES]} />
                     <tbody>
                         {MEASURES.map(([measure, words]) => (
                             <tr key={measure}>
@@ -113,7 +113,7 @@ function StatisticsTable({ people, onChange }: { people: Statistics; onChange(pe
                                 {VALUES.map((value, k) => (
                                     <td key={value}>
                                         <Cell
-                                            label={`${who}, ${words.toLowerCase()}, ${value}`}
+                                            label={`${who}, ${inner(words)}, ${value}`}
                                             value={people[sex][measure][k]!}
                                             by={measure === "mass" || unit === "m" ? 1 : 100}
                                             onChange={(next) => set(sex, measure, k, next)}

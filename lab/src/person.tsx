@@ -1,18 +1,16 @@
 // One person: measures, the five disks, the body, and where the person stands in the survey. Or a bicycle.
 
 import { computed, signal, useSignalEffect } from "@preact/signals";
-import type { ComponentType } from "preact";
-import { useEffect } from "preact/hooks";
 import "./person.css";
-import type { Client } from "./client";
-import { capital, Distribution } from "./distribution";
+import { Distribution } from "./distribution";
 import { add } from "./handtool";
+import { capital, engineText, t } from "./language";
 import { Latest } from "./latest";
 import { Drawing, extents, Gaze, pathOf } from "./outline";
-import { Choice, digits, Facts, length, NumberField } from "./parts";
+import { Button, Check, Choice, digits, Facts, in3d, length, NumberField, Range } from "./parts";
 import { change, plan } from "./plan";
 import { type BicycleShown, isChild, type MeasureShown, type PersonRequest, type PersonShown, type Surface } from "./protocol";
-import { film } from "./session";
+import { client, film } from "./session";
 import type { TurningProps } from "./turning";
 
 const person = signal<PersonShown | null>(null);
@@ -34,64 +32,53 @@ const MEDIANS = { breadth: null, depth: null, stature: null, mass: null };
 /** A child of about six years. */
 const CHILD = { breadth: 0.29, depth: 0.16, stature: 1.2, mass: 23 };
 const KINDS = [
-    ["female", "Woman"],
-    ["male", "Man"],
-    ["child", "Child"],
-    ["bicycle", "Bicycle"],
+    ["female", t("Woman")],
+    ["male", t("Man")],
+    ["child", t("Child")],
+    ["bicycle", t("Bicycle")],
 ] as const;
 
 /** What is asked of the lab: one thing after the other. */
-class Asking {
-    #shape: Latest<PersonRequest>;
-    #surface: Latest<PersonRequest>;
-
-    constructor(readonly client: Client) {
-        this.#shape = new Latest(async (asked) => {
-            try {
-                person.value = (await client.ask<PersonShown>({ ask: "person", ...asked })).value;
-                refused.value = "";
-            } catch (error) {
-                refused.value = (error as Error).message;
-                // There are fields to mend it in.
-                if (person.value?.sex !== asked.sex) person.value = (await client.ask<PersonShown>({ ask: "person", ...asked, ...MEDIANS, altitude: null })).value;
-            }
-        });
-        this.#surface = new Latest(async (asked) => {
-            try {
-                const { value, bytes } = await client.ask<Surface>({ ask: "body", ...asked });
-                body.value = { surface: value, bytes };
-            } catch {
-                // The disks say what is wrong.
-            }
-        });
+const shapes = new Latest<PersonRequest>(async (asked) => {
+    try {
+        person.value = (await client.ask<PersonShown>({ ask: "person", ...asked })).value;
+        refused.value = "";
+    } catch (error) {
+        refused.value = (error as Error).message;
+        // There are fields to mend it in.
+        if (person.value?.sex !== asked.sex) person.value = (await client.ask<PersonShown>({ ask: "person", ...asked, ...MEDIANS, altitude: null })).value;
     }
+});
+const surfaces = new Latest<PersonRequest>(async (asked) => {
+    try {
+        const { value, bytes } = await client.ask<Surface>({ ask: "body", ...asked });
+        body.value = { surface: value, bytes };
+    } catch {
+        // The disks say what is wrong.
+    }
+});
 
-    shape = (asked: string) => void this.#shape.want(JSON.parse(asked) as PersonRequest);
-    surface = (asked: string) => void this.#surface.want(JSON.parse(asked) as PersonRequest);
-
-    async bicycle() {
-        try {
-            bicycle.value ??= (await this.client.ask<BicycleShown>({ ask: "bicycle" })).value;
-        } catch (error) {
-            refused.value = (error as Error).message;
-        }
+async function askBicycle() {
+    try {
+        bicycle.value ??= (await client.ask<BicycleShown>({ ask: "bicycle" })).value;
+    } catch (error) {
+        refused.value = (error as Error).message;
     }
 }
 
-export function PersonTab({ client }: { client: Client }) {
-    const asking = useAsking(client);
-    useSignalEffect(() => (riding.value ? void asking.bicycle() : asking.shape(wanted.value)));
+export function PersonTab() {
+    useSignalEffect(() => void (riding.value ? askBicycle() : shapes.want(JSON.parse(wanted.value))));
     useSignalEffect(() => {
-        if (!riding.value) asking.surface(surfaceOf.value);
+        if (!riding.value) void surfaces.want(JSON.parse(surfaceOf.value));
     });
     const { person: asked } = plan.value;
     const is = person.value;
     const kind = isChild(asked) ? "child" : asked.sex;
     return (
         <div class="persons">
-            <form class="panel" aria-label="Measures" onSubmit={(event) => event.preventDefault()}>
+            <form class="panel" aria-label={t("Measures")} onSubmit={(event) => event.preventDefault()}>
                 <Choice
-                    label="Who"
+                    label={t("Who")}
                     value={riding.value ? "bicycle" : kind}
                     choices={KINDS}
                     onChange={(next) => {
@@ -102,9 +89,7 @@ export function PersonTab({ client }: { client: Client }) {
                 />
                 {!riding.value && is && <MeasureFields is={is} asked={asked} />}
                 {riding.value && (
-                    <p class="note">
-                        This is the paper's bicycle. Those of a crowd have measures of their own.
-                    </p>
+                    <p class="note">{t("This is the paper's bicycle. Those of a crowd have measures of their own.")}</p>
                 )}
             </form>
             {riding.value ? bicycle.value && <BicycleDrawing is={bicycle.value} /> : is && <Shape is={is} asked={asked} />}
@@ -112,13 +97,6 @@ export function PersonTab({ client }: { client: Client }) {
             {!riding.value && is && <Survey is={is} />}
         </div>
     );
-}
-
-let asking: Asking | null = null;
-
-function useAsking(client: Client): Asking {
-    if (asking?.client !== client) asking = new Asking(client);
-    return asking;
 }
 
 function measured(is: PersonShown, key: (typeof KEYS)[number]) {
@@ -142,7 +120,7 @@ function MeasureFields({ is, asked }: { is: PersonShown; asked: PersonRequest })
                 return (
                     <NumberField
                         key={`${is.sex} ${measure.name}`}
-                        label={capital(measure.name)}
+                        label={capital(engineText(measure.name))}
                         unit={unit}
                         // Also what the lab refuses stays there.
                         value={clean(asked[KEYS[k]!] ?? measure.value)}
@@ -155,17 +133,13 @@ function MeasureFields({ is, asked }: { is: PersonShown; asked: PersonRequest })
             })}
             {refused.value && (
                 <p role="alert" class="problem">
-                    {refused.value}. The drawings show the last person that is possible.
+                    {refused.value}. {t("The drawings show the last person that is possible.")}
                 </p>
             )}
             <div class="buttons">
-                <button type="button" onClick={() => set(MEDIANS)}>
-                    Medians of the survey
-                </button>
+                <Button words={t("Medians of the survey")} onClick={() => set(MEDIANS)} />
                 {film.value && !refused.value && (
-                    <button type="button" title="One person more on the stage, where most room is: drag it from there" onClick={putThere}>
-                        Put into the crowd
-                    </button>
+                    <Button words={t("Put into the crowd")} title={t("One person more on the stage, where most room is: drag it from there")} onClick={putThere} />
                 )}
             </div>
         </fieldset>
@@ -189,90 +163,59 @@ function Shape({ is, asked }: { is: PersonShown; asked: PersonRequest }) {
         change({ person: { ...asked, altitude } });
     };
     return (
-        <section class="panel" aria-label="From above">
-            <h2>From above</h2>
-            <Drawing size={size} words={(metres) => length(metres, unit)} label="The five disks, from above; the gaze goes up">
+        <section class="panel" aria-label={t("From above")}>
+            <h2>{t("From above")}</h2>
+            <Drawing size={size} words={(metres) => length(metres, unit)} label={t("The five disks, from above; the gaze goes up")}>
                 {is.disks.map(([x, y, r], k) => (
                     <circle key={k} cx={-y} cy={-x} r={r} class="disk" />
                 ))}
                 {is.sections && at !== null && <path d={pathOf(is.sections)} class="section" fill-rule="evenodd" />}
                 <Gaze length={0.6 * size.front} />
             </Drawing>
-            <label class="check">
-                <input type="checkbox" checked={at !== null} onChange={(event) => set(event.currentTarget.checked ? Number((0.75 * highest).toFixed(2)) : null)} />
-                Section of the body
-            </label>
+            <Check label={t("Section of the body")} value={at !== null} onChange={(on) => set(on ? Number((0.75 * highest).toFixed(2)) : null)} />
             {at !== null && (
                 <label class="field">
                     <span>
-                        {length(at, unit)} above the ground{is.sections?.length === 0 && ": the body ends below"}
+                        {t("{length} above the ground", { length: length(at, unit) })}{is.sections?.length === 0 && t(": the body ends below")}
                     </span>
-                    <input
-                        type="range"
-                        aria-label="Altitude of the section"
-                        aria-valuetext={length(at, unit)}
-                        min={0}
-                        max={Number((1.02 * highest).toFixed(2))}
-                        step={0.01}
-                        value={at}
-                        onInput={(event) => (sliding.value = event.currentTarget.valueAsNumber)}
-                        onChange={(event) => set(event.currentTarget.valueAsNumber)}
-                    />
+                    <Range aria-label={t("Altitude of the section")} aria-valuetext={length(at, unit)} min={0} max={Number((1.02 * highest).toFixed(2))} step={0.01} value={at} onSlide={(to) => (sliding.value = to)} onChange={set} />
                 </label>
             )}
             <Facts
                 rows={[
-                    ["Area of the disks", area],
-                    ["Moment of inertia", `${digits(is.inertia, 4)} kg m²`],
-                    ["Disks, across", is.disks.map(([, , r]) => length(2 * r, unit).replace(/ c?m$/, "")).join(", ") + ` ${unit}`],
+                    [t("Area of the disks"), area],
+                    [t("Moment of inertia"), `${digits(is.inertia, 4)} kg m²`],
+                    [t("Disks, across"), is.disks.map(([, , r]) => length(2 * r, unit).replace(/ c?m$/, "")).join(", ") + ` ${unit}`],
                 ]}
             />
         </section>
     );
 }
 
-const turning = signal<ComponentType<TurningProps> | null>(null);
-const missing = signal("");
+const Turning = in3d<TurningProps>(() => import("./turning"));
 
 function Body3d({ stature, altitude }: { stature: number; altitude: number | null }) {
-    useEffect(() => {
-        if (turning.value) return;
-        import("./turning")
-            .then(({ default: found }) => {
-                turning.value = found;
-            })
-            .catch((error: Error) => {
-                missing.value = `3D could not be loaded: ${error.message}`;
-            });
-    }, []);
-    const Turning = turning.value;
     return (
-        <section class="panel" aria-label="The body">
-            <h2>The body</h2>
-            {missing.value ? (
-                <p role="alert">{missing.value}</p>
-            ) : Turning ? (
-                <Turning body={body.value} stature={stature} altitude={altitude} />
-            ) : (
-                <p role="status">3D is loaded …</p>
-            )}
+        <section class="panel" aria-label={t("The body")}>
+            <h2>{t("The body")}</h2>
+            <Turning body={body.value} stature={stature} altitude={altitude} />
         </section>
     );
 }
 
 function Survey({ is }: { is: PersonShown }) {
-    const people = is.sex === "male" ? "men" : "women";
     return (
-        <section class="panel survey" aria-label="In the survey">
+        <section class="panel survey" aria-label={t("In the survey")}>
             <div>
-                <h2>In the survey</h2>
+                <h2>{t("In the survey")}</h2>
                 <p>
-                    ANSUR II: {is.surveyed} {people} of the US Army, measured in 2012. The line is this {isChild(plan.value.person) ? "child" : is.sex === "male" ? "man" : "woman"}.
+                    {is.sex === "male" ? t("ANSUR II: {n} men of the US Army, measured in 2012.", { n: is.surveyed }) : t("ANSUR II: {n} women of the US Army, measured in 2012.", { n: is.surveyed })}{" "}
+                    {isChild(plan.value.person) ? t("The line is this child.") : is.sex === "male" ? t("The line is this man.") : t("The line is this woman.")}
                 </p>
             </div>
             {is.measures.map((measure) => {
                 const [by, unit] = shownIn(measure);
-                return <Distribution key={measure.name} measure={measure} by={by} unit={unit} people={people} />;
+                return <Distribution key={measure.name} measure={measure} by={by} unit={unit} sex={is.sex} />;
             })}
         </section>
     );
@@ -282,9 +225,9 @@ function BicycleDrawing({ is }: { is: BicycleShown }) {
     const { unit } = plan.value;
     const size = extents(is.rectangles.flat().map(([x, y]) => [x, y, 0]));
     return (
-        <section class="panel" aria-label="From above">
-            <h2>From above</h2>
-            <Drawing size={size} words={(metres) => length(metres, unit)} label="The two rectangles of a bicycle, from above; it goes up">
+        <section class="panel" aria-label={t("From above")}>
+            <h2>{t("From above")}</h2>
+            <Drawing size={size} words={(metres) => length(metres, unit)} label={t("The two rectangles of a bicycle, from above; it goes up")}>
                 {is.rectangles.map((rectangle, k) => (
                     <path key={k} d={pathOf([rectangle])} class="disk" />
                 ))}
@@ -293,7 +236,7 @@ function BicycleDrawing({ is }: { is: BicycleShown }) {
             <Facts
                 rows={is.measures.map(({ name, unit: own, value }) => {
                     const words = own === "m" ? length(value, unit) : `${digits(value, 3)} ${own}`;
-                    return [capital(name), words];
+                    return [capital(engineText(name)), words];
                 })}
             />
         </section>

@@ -3,7 +3,7 @@
 import { type ByPlace, byPlace, type Kind, mapKind } from "./byplace";
 import { type Scale, scaleOf } from "./colour";
 import type { Film } from "./film";
-import { translated } from "./language";
+import { t } from "./language";
 import { kindWords } from "./kindwords";
 import { empty } from "./layout";
 import { digits } from "./parts";
@@ -23,8 +23,8 @@ export function composeMap(onto: HTMLCanvasElement, from: HTMLCanvasElement, pla
     }
     const { context, width, line, ink } = begun;
     const write = (words: string, k: number) => context.fillText(words, 10 * devicePixelRatio, line(k));
-    write(translated(places.words()), 0);
-    write(translated(places.cells()), 1);
+    write(places.words(), 0);
+    write(places.cells(), 1);
     row(context, "", places.scale(kind), width, line(2), ink);
 }
 
@@ -35,8 +35,8 @@ export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: 
     const { context, width, line, ink } = begin(onto, from, map ? 2 : 1);
     const time = `${(film.place.value * film.scene.step).toFixed(2)} s`;
     const { colour } = plan.value;
-    row(context, map ? `${translated("People at")} ${time}` : time, scaleOf(film, colour), width, line(0), ink);
-    if (map) row(context, translated(map.words()), map.scale(kind!), width, line(1), ink);
+    row(context, map ? t("People at {time}", { time }) : time, scaleOf(film, colour), width, line(0), ink);
+    if (map) row(context, map.words(), map.scale(kind!), width, line(1), ink);
 }
 
 /** The picture on paper, with room for lines below it. */
@@ -65,8 +65,8 @@ function begin(onto: HTMLCanvasElement, from: HTMLCanvasElement, lines: number) 
 function row(context: CanvasRenderingContext2D, words: string, { label, unit, low, high: most, largest, ramp: colours, kinds }: Scale, width: number, middle: number, ink: string) {
     const pixel = devicePixelRatio;
     context.fillText(words, 10 * pixel, middle);
-    if (kinds) return paintKinds(context, kinds.map(({ name, shade }) => [translated(kindWords(name)), shade.fill]), width - 10 * pixel, middle, context.measureText(words).width + 20 * pixel, pixel, ink);
-    const end = `${largest > most ? "≥ " : ""}${digits(most, 3)} ${translated(unit)}`.trim();
+    if (kinds) return paintKinds(context, kinds.map(({ name, shade }) => [kindWords(name), shade.fill]), width - 10 * pixel, middle, context.measureText(words).width + 20 * pixel, pixel, ink);
+    const end = `${largest > most ? "≥ " : ""}${digits(most, 3)} ${unit}`.trim();
     let right = width - 10 * pixel - context.measureText(end).width;
     context.fillText(end, right, middle);
     const ramp = Math.min(120 * pixel, width / 4);
@@ -75,7 +75,7 @@ function row(context: CanvasRenderingContext2D, words: string, { label, unit, lo
         context.fillStyle = colour;
         context.fillRect(right + (k * ramp) / colours.length, middle - 6 * pixel, ramp / colours.length + 1, 12 * pixel);
     });
-    const begin = `${translated(label)}: ${low > 0 ? `≤ ${low}` : 0}`;
+    const begin = `${label}: ${low > 0 ? `≤ ${low}` : 0}`;
     context.fillStyle = ink;
     right -= context.measureText(begin).width + 8 * pixel;
     if (right > context.measureText(words).width + 20 * pixel) context.fillText(begin, right, middle);
@@ -99,6 +99,6 @@ export async function png(draw: (onto: HTMLCanvasElement) => void): Promise<Blob
     const canvas = document.createElement("canvas");
     draw(canvas);
     const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
-    if (!blob) throw new Error("the browser made no picture");
+    if (!blob) throw new Error(t("the browser made no picture"));
     return blob;
 }

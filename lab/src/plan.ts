@@ -1,10 +1,12 @@
 // The scene on the stage and the state of the page: changed, undone and redone, and sent as a link.
 
 import { batch, computed, effect, signal } from "@preact/signals";
-import { flag, list, nullable, number, one, patched, record, text, tuple, Unfit, within } from "./check";
+import { firsts, flag, forms, list, nullable, number, type OfRows, one, patched, record, row, text, tuple, Unfit, within } from "./check";
 import { EXAMPLES } from "./examples";
-import { backdrop, type Backdrop, base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, mechanics, MOST, motion, person, point } from "./forms";
-import type { Edit, Mechanics, Motion, PersonRequest, Point } from "./protocol";
+import { backdrop, base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, mechanics, MOST, motion, person, point } from "./forms";
+import { capital, t } from "./language";
+import type { Edit, Mechanics, Motion, Point } from "./protocol";
+import { storage } from "./storage";
 
 /** What is on the stage. */
 export interface Made {
@@ -15,131 +17,72 @@ export interface Made {
     mechanics?: Mechanics;
 }
 
-export type Colour = "speed" | "squeeze" | "contacts" | "kind";
 export const TABS = ["start", "room", "crowd", "motion", "person", "take"] as const;
-
-export interface Plan {
-    tab: (typeof TABS)[number];
-    made: Made;
-    /** What the forms say; not necessarily made yet. */
-    crowd: KeptCrowd;
-    person: PersonRequest;
-    unit: "m" | "cm";
-    colour: Colour;
-    /** Time over which squeeze is a mean, in s. */
-    smooth: number;
-    /** Upper ends of the colours that the user has fixed. */
-    most: Record<Colour, number | null>;
-    /** Simulated seconds in a second. */
-    pace: number;
-    /** Where the timeline ends, in s. */
-    end: number;
-    chart: "greatest" | "mean" | "speed" | "left" | "flow" | "density" | "all";
-    view: "2d" | "3d" | "section";
-    /** Altitude of the section, in m. */
-    altitude: number;
-    trails: boolean;
-    forces: boolean;
-    /** What is shown by place, and the time over which: null for the start, and for as far as is computed. */
-    map: "none" | "density" | "mean" | "greatest";
-    span: [number | null, number | null];
-    /** Who steps over it is counted. */
-    line: [Point, Point] | null;
-    /** Two opposite corners: who is inside is counted. */
-    area: [Point, Point] | null;
-    /** The picture under the room. */
-    backdrop: Backdrop | null;
-    /** Of squeeze, as a mean over so many seconds: who was above it, and how long, is told. */
-    limit: { force: number; seconds: number };
-    /** Name of the file of which the room was made. */
-    drawn: string | null;
-    /** Who made the scene, for its report. */
-    author: string;
-    sweep: SweepWishes;
-}
-
-/** What the form of a sweep says. No parameter or measure and null stand for what it proposes. */
-interface SweepWishes {
-    parameter: string;
-    values: string | null;
-    seeds: number;
-    /** In s. */
-    until: number | null;
-    measure: string;
-}
-
-export const FIRST: Plan = {
-    tab: "start",
-    made: { base: { kind: "example", name: "push" }, edits: [], motion: { kind: "own" } },
-    crowd: FIRST_CROWD,
-    person: { sex: "female", breadth: null, depth: null, stature: null, mass: null, altitude: null },
-    unit: "cm",
-    colour: "squeeze",
-    smooth: 0.1,
-    most: { speed: null, squeeze: null, contacts: null, kind: null },
-    pace: 1,
-    end: 30,
-    chart: "greatest",
-    view: "2d",
-    altitude: 1.3,
-    trails: false,
-    forces: false,
-    map: "none",
-    span: [null, null],
-    line: null,
-    area: null,
-    backdrop: null,
-    sweep: { parameter: "", values: null, seeds: 3, until: null, measure: "" },
-    limit: { force: 623, seconds: 1 },
-    drawn: null,
-    author: "",
-};
+export type Colour = "speed" | "squeeze" | "contacts" | "kind";
 
 /** Most letters of the name of a scene, and of who made it. */
 export const NAME = 80;
 /** Checks the upper end of a colour scale. */
 const upper = within(1e-3, 1e7);
-const undoables = {
-    made: record<Made>({ base, edits: list(edit, MOST.edits), motion, mechanics }),
-    crowd,
-    person,
-    backdrop,
+/** What of a plan belongs to the page. */
+const PAGE_ROWS = {
+    tab: row(one(...TABS), "start"),
+    unit: row(one("m", "cm"), "cm"),
+    /** Simulated seconds in a second. */
+    pace: row(within(0.01, 100), 1),
+    chart: row(one("greatest", "mean", "speed", "left", "flow", "density", "all"), "greatest"),
+    view: row(one("2d", "3d", "section"), "2d"),
+    /** Altitude of the section, in m. */
+    altitude: row(within(0, 3), 1.3),
 };
-const undone = record<Pick<Plan, keyof typeof undoables>>(undoables);
-const whole = patched<Plan>(
-    {
-        tab: one(...TABS),
-        ...undoables,
-        unit: one("m", "cm"),
-        colour: one("speed", "squeeze", "contacts", "kind"),
-        smooth: within(0.01, 10),
-        most: record<Plan["most"]>({ speed: nullable(upper), squeeze: nullable(upper), contacts: nullable(upper), kind: () => null }),
-        pace: within(0.01, 100),
-        end: within(1e-3, 1e5),
-        chart: one("greatest", "mean", "speed", "left", "flow", "density", "all"),
-        view: one("2d", "3d", "section"),
-        altitude: within(0, 3),
-        trails: flag,
-        forces: flag,
-        map: one("none", "density", "mean", "greatest"),
-        span: tuple<[number | null, number | null]>(nullable(within(0, 1e5)), nullable(within(0, 1e5))),
-        line: nullable(tuple<[Point, Point]>(point, point)),
-        area: nullable(tuple<[Point, Point]>(point, point)),
-        sweep: record<SweepWishes>({ parameter: text(MOST.name), values: nullable(text(MOST.list)), seeds: within(1, MOST.seeds), until: nullable(within(0.1, 1e5)), measure: text(MOST.name) }),
-        limit: record<Plan["limit"]>({ force: within(1, 1e6), seconds: within(0.01, 600) }),
-        drawn: nullable(text(MOST.name)),
-        author: text(NAME),
-    },
-    FIRST,
-);
+/** What belongs to its scene, and goes with it into links and files. */
+const SCENE_ROWS = {
+    made: row(record<Made>({ base, edits: list(edit, MOST.edits), motion, mechanics }), { base: { kind: "example", name: "push" }, edits: [], motion: { kind: "own" } }),
+    /** What the forms say; not necessarily made yet. */
+    crowd: row(crowd, FIRST_CROWD),
+    person: row(person, { sex: "female", breadth: null, depth: null, stature: null, mass: null, altitude: null }),
+    colour: row(one<Colour>("speed", "squeeze", "contacts", "kind"), "squeeze"),
+    /** Time over which squeeze is a mean, in s. */
+    smooth: row(within(0.01, 10), 0.1),
+    /** Upper ends of the colours that the user has fixed. */
+    most: row(record<Record<Colour, number | null>>({ speed: nullable(upper), squeeze: nullable(upper), contacts: nullable(upper), kind: () => null }), { speed: null, squeeze: null, contacts: null, kind: null }),
+    /** Where the timeline ends, in s. */
+    end: row(within(1e-3, 1e5), 30),
+    trails: row(flag, false),
+    forces: row(flag, false),
+    /** What is shown by place, and the time over which: null for the start, and for as far as is computed. */
+    map: row(one("none", "density", "mean", "greatest"), "none"),
+    span: row(tuple<[number | null, number | null]>(nullable(within(0, 1e5)), nullable(within(0, 1e5))), [null, null]),
+    /** Who steps over it is counted. */
+    line: row(nullable(tuple<[Point, Point]>(point, point)), null),
+    /** Two opposite corners: who is inside is counted. */
+    area: row(nullable(tuple<[Point, Point]>(point, point)), null),
+    /** The picture under the room. */
+    backdrop: row(backdrop, null),
+    /** What the form of a sweep says. No parameter or measure and null stand for what it proposes. */
+    sweep: row(record({ parameter: text(MOST.name), values: nullable(text(MOST.list)), seeds: within(1, MOST.seeds), until: nullable(within(0.1, 1e5)), measure: text(MOST.name) }), {
+        parameter: "",
+        values: null,
+        seeds: 3,
+        until: null,
+        measure: "",
+    }),
+    /** Of squeeze, as a mean over so many seconds: who was above it, and how long, is told. */
+    limit: row(record({ force: within(1, 1e6), seconds: within(0.01, 600) }), { force: 623, seconds: 1 }),
+    /** Name of the file of which the room was made. */
+    drawn: row(nullable(text(MOST.name)), null),
+    /** Who made the scene, for its report. */
+    author: row(text(NAME), ""),
+};
+type Part = OfRows<typeof SCENE_ROWS>;
+const undone = record<Pick<Part, "made" | "crowd" | "person" | "backdrop">>({ made: SCENE_ROWS.made[0], crowd, person, backdrop });
+export type Plan = OfRows<typeof PAGE_ROWS> & Part;
+const ROWS = { ...PAGE_ROWS, ...SCENE_ROWS };
+export const FIRST: Plan = firsts(ROWS);
+const whole = patched<Plan>(forms(ROWS), FIRST);
 
-/** What of a plan belongs to its scene, and goes with it into links and files. The rest belongs to the page. */
-const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "map", "span", "line", "area", "backdrop", "sweep", "limit", "drawn", "author"] as const;
-type Part = Pick<Plan, (typeof OF_SCENE)[number]>;
-
-export function sceneOf(plan: Plan): Part {
-    return Object.fromEntries(OF_SCENE.map((key) => [key, plan[key]])) as unknown as Part;
-}
+const only = <R extends object>(plan: Plan, rows: R) => Object.fromEntries(Object.keys(rows).map((key) => [key, plan[key as keyof Plan]])) as OfRows<R>;
+export const sceneOf = (plan: Plan): Part => only(plan, SCENE_ROWS);
 
 /** A scene with its name and what can be undone. */
 export interface Kept {
@@ -159,12 +102,12 @@ const PAST = 3e5;
 
 /** What of a plan is named when it did not fit. */
 const PARTS: Partial<Record<keyof Plan, string>> = {
-    made: "the scene",
-    crowd: "the forms of the room and the crowd",
-    person: "the person",
-    line: "the line",
-    area: "the area",
-    backdrop: "the picture under the room",
+    made: t("the scene"),
+    crowd: t("the forms of the room and the crowd"),
+    person: t("the person"),
+    line: t("the line"),
+    area: t("the area"),
+    backdrop: t("the picture under the room"),
 };
 
 export interface Read {
@@ -182,12 +125,12 @@ export function read(from: string | null, whose: string): Read {
         if (from.length > LONGEST) throw new Unfit();
         const left = new Set<string>();
         const given: unknown = JSON.parse(from);
-        const plan = whole(given, (key) => left.add(PARTS[key] ?? "settings"));
-        const words = left.size > 0 ? `Not all of ${whose} fits this version of the page. Left out: ${[...left].join(", ")}.` : "";
+        const plan = whole(given, (key) => left.add(PARTS[key] ?? t("settings")));
+        const words = left.size > 0 ? t("Not all of {whose} fits this version of the page. Left out: {parts}.", { whose, parts: [...left].join(", ") }) : "";
         const { name, changed, past, future } = patched<Omit<Kept, "plan">>({ name: text(NAME), changed: number, past: steps, future: steps }, { name: "", changed: 0, past: [], future: [] })(given, () => {});
         return { kept: { name, changed, plan, past, future }, left: words };
     } catch {
-        return { kept: null, left: `${capital(whose)} cannot be read: it is not whole, or it is none of this page.` };
+        return { kept: null, left: t("{whose} cannot be read: it is not whole, or it is none of this page.", { whose: capital(whose) }) };
     }
 }
 
@@ -196,10 +139,6 @@ function latest(steps: string[]): string[] {
     let letters = 0;
     const from = steps.findLastIndex((step) => (letters += step.length) > PAST);
     return steps.slice(from + 1);
-}
-
-function capital(words: string) {
-    return words[0]!.toUpperCase() + words.slice(1);
 }
 
 /** A link is read once: later changes count more. */
@@ -213,7 +152,7 @@ function linked(): Read {
     } catch {
         // Then it is no plan, either.
     }
-    const found = read(text, "the link");
+    const found = read(text, t("the link"));
     // A link brings its scene. What belongs to the page is as this visitor has it.
     return found.kept ? { ...found, kept: { ...found.kept, name: found.kept.name || "From a link", past: [], future: [] } } : found;
 }
@@ -226,19 +165,6 @@ const PAGE = "lemons-lab page";
 export const FORMER = "lemons-lab plan 2";
 /** Before the Id of a scene. */
 export const SCENE = "lemons-lab scene ";
-
-/** Whether another page shows the stage alone (`?embed`). Then nothing of the visitor's is read or written. */
-export const embedded = new URLSearchParams(location.search).has("embed");
-
-/** The browser's storage; none where it is forbidden. */
-export function storage(kind: "localStorage" | "sessionStorage"): Storage | null {
-    if (embedded) return null;
-    try {
-        return window[kind];
-    } catch {
-        return null;
-    }
-}
 
 /** The forms that say it, if it is made by forms. */
 export function crowdOf(base: KeptBase): KeptCrowd | null {
@@ -261,14 +187,14 @@ export function keptScenes(): { id: string; kept: Kept }[] {
 
 /** What this tab had, what was changed last in this browser, or what an earlier version kept. */
 function found(): { id: string | null; read: Read; former: boolean } {
-    const tab = read(storage("sessionStorage")?.getItem(TAB) ?? null, "what this tab had");
+    const tab = read(storage("sessionStorage")?.getItem(TAB) ?? null, t("what this tab had"));
     if (tab.kept) {
         const id = (JSON.parse(storage("sessionStorage")!.getItem(TAB)!) as { id?: unknown }).id;
         return { id: typeof id === "string" ? id : null, read: tab, former: false };
     }
     const [last] = keptScenes();
     if (last) return { id: last.id, read: { kept: last.kept, left: tab.left }, former: false };
-    const former = read(storage("localStorage")?.getItem(FORMER) ?? null, "what this browser kept");
+    const former = read(storage("localStorage")?.getItem(FORMER) ?? null, t("what this browser kept"));
     return { id: null, read: { kept: former.kept && { ...former.kept, name: "Of an earlier visit" }, left: former.left || tab.left }, former: former.kept !== null };
 }
 
@@ -305,8 +231,7 @@ export function toKeep() {
 
 effect(() => {
     try {
-        const { tab, unit, pace, chart, view, altitude } = plan.value;
-        const page = { tab, unit, pace, chart, view, altitude };
+        const page = only(plan.value, PAGE_ROWS);
         storage("sessionStorage")?.setItem(TAB, JSON.stringify({ id: scene.value.id, ...page, ...toKeep() }));
         storage("localStorage")?.setItem(PAGE, JSON.stringify(page));
     } catch {
@@ -391,7 +316,7 @@ export function link(query = "") {
 }
 
 /** What is said of a link where the page is on the visitor's own machine. */
-export const onlyHere = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname) ? "It works on this machine only: for others, put the page on a web host (docs/lab.md says how)." : "";
+export const onlyHere = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname) ? t("It works on this machine only: for others, put the page on a web host (docs/lab.md says how).") : "";
 
 /** Takes a link that was put into the open page. Returns what of it does not fit. */
 export function follow(): string {

@@ -2,6 +2,7 @@
 
 import { isPicture, setPicture } from "./backdrop";
 import { understand } from "./drawing";
+import { t } from "./language";
 import { change } from "./plan";
 import { openFile } from "./scenes";
 
@@ -23,8 +24,8 @@ export async function openPlan(file: File) {
         change({ tab: "room" });
         return setPicture(file);
     }
-    if (!DRAWINGS.test(file.name)) throw new Error(`"${file.name}" is no plan: its name must end in .dxf, .geojson, .wkt, .svg or .xml`);
-    if (file.size > MOST_BYTES) throw new Error(`"${file.name}" has more than ${MOST_BYTES / 1e6} MB`);
+    if (!DRAWINGS.test(file.name)) throw new Error(t('"{name}" is no plan: its name must end in .dxf, .geojson, .wkt, .svg or .xml', { name: file.name }));
+    if (file.size > MOST_BYTES) throw new Error(t('"{name}" has more than {most} MB', { name: file.name, most: MOST_BYTES / 1e6 }));
     const bytes = new Uint8Array(await file.arrayBuffer());
     if (/\.json$/i.test(file.name) && !isGeoJson(bytes)) return openFile(file);
     change({ tab: "room" });

@@ -5,6 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import "./charts.css";
+import { dark } from "./colour";
 import type { Film } from "./film";
 
 export interface Line {
@@ -121,13 +122,11 @@ export function Plot({ film, title, unit, lines, data, end, now, summary }: Plot
         });
         const observer = new ResizeObserver(() => made.setSize({ width: Math.max(120, on.clientWidth), height: HEIGHT }));
         observer.observe(on);
-        const dark = matchMedia("(prefers-color-scheme: dark)");
-        const recolour = () => made.redraw(false, true);
-        dark.addEventListener("change", recolour);
+        const stopColouring = effect(() => (dark.value, made.redraw(false, true)));
         return () => {
             stopMarking();
             observer.disconnect();
-            dark.removeEventListener("change", recolour);
+            stopColouring();
             made.destroy();
         };
     }, [film, shape]);

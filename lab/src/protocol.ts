@@ -1,7 +1,8 @@
 // What the page and the worker tell each other. Lengths in m, masses in kg, angles in rad, times in s.
 
-import type { BalanceName, PersonRequest, Request, Rotational, WalkingModelName } from "./generated";
+import type { PersonRequest, Request } from "./generated";
 
+export type { Place, Wishes } from "./forms";
 export type * from "./generated";
 
 export type Point = [number, number];
@@ -18,38 +19,6 @@ export function isChild({ stature }: Pick<PersonRequest, "stature">): boolean {
 }
 
 export type Material = "human_naked" | "human_clothes" | "human_soft";
-
-/** A line or a polygon, one of the two, where people leave or stay. */
-export interface Place {
-    name: string;
-    line: [Point, Point] | null;
-    polygon: Point[] | null;
-    /** So many of the people take it, relative to the other exits; for all exits or for none. */
-    share: number | null;
-    /** Of exits: when people can leave by it; null: always. */
-    open: OpenTime[] | null;
-}
-
-/** What the page's forms have of a decision.toml. */
-export interface Wishes {
-    model: WalkingModelName;
-    /** Only with this model; null for its defaults. */
-    rotational: Rotational | null;
-    balance: BalanceName;
-    /** In N: greatest force with which people push ahead; null for no limit. */
-    push: number | null;
-    /** Part of the people who are in groups that stay together; null for nobody. */
-    groups: { share: number } | null;
-    /** In s: each starts to walk at a time between both, all as likely; null for at once. */
-    start: { min: number; max: number } | null;
-    desired_speed: number;
-    /** Chooses who takes which exit by shares, who is in a group, who starts when, and what people do who are stuck. */
-    seed: number;
-    exits: Place[];
-    goals: Place[];
-    /** By Id, for those who do not go where the others go: the name of one of both. */
-    agents: Record<string, { exit: string | null; goal: string | null }>;
-}
 
 /** Numbers of an agent in a frame: x, y, theta, vx, vy, omega, mean squeeze of the step, contacts, the part of the
  * squeeze by walls, x and y of the middle of the feet, 1 for who wants to get on and else 0. Of who has left, x and y are

@@ -8,12 +8,13 @@ import { middleOf } from "./drawplaces";
 import type { Film } from "./film";
 import { frictionOf } from "./forms";
 import { difference, differing, facts, kept, openWords } from "./kept";
+import { count, t } from "./language";
 import { canvas } from "./layout";
 import { Squeeze } from "./legend";
 import { aboveLimit, framesOf } from "./limit";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
-import { brief, digits, Facts, Field, length, named } from "./parts";
+import { brief, Button, digits, Facts, Field, length, named } from "./parts";
 import { compose, png } from "./picture";
 import { change, link, type Made, NAME, plan, scene } from "./plan";
 import type { Point } from "./protocol";
@@ -35,7 +36,7 @@ effect(() => {
 
 export async function makeReport(film: Film) {
     const from = canvas.value;
-    if (!from) throw new Error("the stage shows no picture");
+    if (!from) throw new Error(t("the stage shows no picture"));
     const before = film.place.peek();
     // At the end there may be nobody; at the start all are there.
     const k = (greatest(film, plan.value.limit.seconds) ?? greatest(film, SHORT))?.k ?? film.reached.peek();
@@ -63,7 +64,7 @@ function greatest({ frames, scene, reached }: Film, seconds: number): { most: nu
     return { most, k: span + Math.max(0, means.indexOf(most)) };
 }
 
-const POPULATIONS = { survey: "survey ANSUR II", statistics: "statistics of one's own", table: "tables of measured people" };
+const POPULATIONS = { survey: t("survey ANSUR II"), statistics: t("statistics of one's own"), table: t("tables of measured people") };
 
 /** What was chosen, with names as in the forms. */
 function assumptions({ base, motion, edits, mechanics }: Made): [string, string][] {
@@ -73,33 +74,33 @@ function assumptions({ base, motion, edits, mechanics }: Made): [string, string]
     if (base.kind === "crowd") {
         const [width, height] = shape(base.room.outline).bounds;
         rows.push(
-            ["Room", `${length(width, unit)} × ${length(height, unit)}, ${base.room.obstacles.length} obstacles`],
-            ["Doors", base.room.doors.map((door) => [length(door.width, unit), openWords(door.open)].filter(Boolean).join(", ")).join("; ") || "none"],
-            ["Drawn from", `${POPULATIONS[base.people.kind]}, ${Math.round(100 * base.men)} % men, seed ${base.seed}`],
-            ["Bodies", `${mixed ? "disks by kind" : base.round ? "one disk each" : "five disks each"}, ${base.material}, friction ${frictionOf(base)}`],
+            [t("Room"), `${length(width, unit)} × ${length(height, unit)}, ${count(base.room.obstacles.length, "{n} obstacle", "{n} obstacles")}`],
+            [t("Doors"), base.room.doors.map((door) => [length(door.width, unit), openWords(door.open)].filter(Boolean).join(", ")).join("; ") || t("none")],
+            [t("Drawn from"), t("{population}, {men} % men, seed {seed}", { population: POPULATIONS[base.people.kind], men: Math.round(100 * base.men), seed: base.seed })],
+            [t("Bodies"), `${mixed ? t("disks by kind") : base.round ? t("one disk each") : t("five disks each")}, ${base.material}, ${t("friction {friction}", { friction: frictionOf(base) })}`],
         );
-        if (mixed) rows.push(["Kinds", mixWords(base.mix).join(", ")]);
+        if (mixed) rows.push([t("Kinds"), mixWords(base.mix).join(", ")]);
     } else rows.push(["Trial", `"${brief(base.name, 60)}"`]);
     const ofPeople = edits.filter((edit) => edit.do !== "room");
-    if (ofPeople.length > 0) rows.push(["Changes by hand", String(ofPeople.length)]);
-    if (ofPeople.length < edits.length) rows.push(["Walls", "changed"]);
+    if (ofPeople.length > 0) rows.push([t("Changes by hand"), String(ofPeople.length)]);
+    if (ofPeople.length < edits.length) rows.push([t("Walls"), t("changed")]);
     if (motion.kind === "go") {
         const { model, desired_speed, push, seed, groups, start } = motion.wishes;
-        if (groups) rows.push(["People in groups", `${Number((100 * groups.share).toFixed(1))} %`]);
-        if (start) rows.push(["They start", `from ${start.min} to ${start.max} s, each time as likely`]);
-        rows.push(["They walk", `${model}, ${mixed ? "desired speeds by kind" : `${desired_speed} m/s`}, seed ${seed}${push === null ? "" : `, pushing ahead with at most ${push} N`}`]);
+        if (groups) rows.push([t("People in groups"), `${Number((100 * groups.share).toFixed(1))} %`]);
+        if (start) rows.push([t("They start"), t("from {min} to {max} s, each time as likely", { min: start.min, max: start.max })]);
+        rows.push([t("They walk"), `${model}, ${mixed ? t("desired speeds by kind") : `${desired_speed} m/s`}, ${t("seed {seed}", { seed })}${push === null ? "" : t(", pushing ahead with at most {push} N", { push })}`]);
     }
     if (motion.kind === "go") {
         const { model, rotational, balance } = motion.wishes;
-        if (model === "rotational") rows.push(["Constants of the model", rotational ? Object.entries(rotational).map(([name, value]) => `${name} ${value}`).join(", ") : "those of this version"]);
-        if (balance !== "none") rows.push(["Balance", balance]);
+        if (model === "rotational") rows.push([t("Constants of the model"), rotational ? Object.entries(rotational).map(([name, value]) => `${name} ${value}`).join(", ") : t("those of this version")]);
+        if (balance !== "none") rows.push([t("Balance"), balance]);
     }
-    if (motion.kind === "walk" && motion.shares) rows.push(["Shares of the ways", `${motion.shares.join(", ")}; seed ${motion.seed}`]);
-    if (motion.kind === "walk") rows.push(["They walk", `on ${motion.ways.length} ${motion.ways.length === 1 ? "way" : "ways"}, ${mixed ? "desired speeds by kind" : `${motion.speed} m/s`}`]);
-    if (motion.kind === "push") rows.push(["Pushes", motion.pushes.map(({ force, duration }) => `${force} N over ${duration} s`).join("; ")]);
+    if (motion.kind === "walk" && motion.shares) rows.push([t("Shares of the ways"), `${motion.shares.join(", ")}; ${t("seed {seed}", { seed: motion.seed })}`]);
+    if (motion.kind === "walk") rows.push([t("They walk"), `${count(motion.ways.length, "on {n} way", "on {n} ways")}, ${mixed ? t("desired speeds by kind") : `${motion.speed} m/s`}`]);
+    if (motion.kind === "push") rows.push([t("Pushes"), motion.pushes.map(({ force, duration }) => t("{force} N over {duration} s", { force, duration })).join("; ")]);
     if (mechanics) {
-        if (mechanics.materials.length > 0) rows.push(["Changed moduli, Young and shear", moduli(mechanics).join("; ")]);
-        if (mechanics.contacts.length > 0) rows.push(["Changed damping, normal and tangential", dampings(mechanics).join("; ")]);
+        if (mechanics.materials.length > 0) rows.push([t("Changed moduli, Young and shear"), moduli(mechanics).join("; ")]);
+        if (mechanics.contacts.length > 0) rows.push([t("Changed damping, normal and tangential"), dampings(mechanics).join("; ")]);
     }
     return rows;
 }
@@ -111,33 +112,34 @@ function exits({ scene: { targets } }: Film): [string, string][] {
         .filter(({ stay }) => !stay)
         .map(({ name, corners, open }) => {
             const [from, to, ...more] = corners as [Point, Point];
-            const place = more.length > 0 ? `area around ${at(middleOf(corners))} m` : `line from ${at(from)} to ${at(to)} m, ${length(distance(from, to), plan.value.unit)} wide`;
+            const line = { from: at(from), to: at(to), width: length(distance(from, to), plan.value.unit) };
+            const place = more.length > 0 ? t("area around {middle} m", { middle: at(middleOf(corners)) }) : t("line from {from} to {to} m, {width} wide", line);
             const times = openWords(open);
-            return [`Exit ${named(name)}`, `${place}${times && `, ${times}`}`];
+            return [t("Exit {name}", { name: named(name) }), `${place}${times && `, ${times}`}`];
         });
 }
 
 /** The plan of which the room was made. */
 function drawnFrom(): [string, ComponentChildren][] {
     const { drawn } = plan.value;
-    return drawn === null ? [] : [["Plan", <span translate={false}>{drawn}</span>]];
+    return drawn === null ? [] : [["Plan", drawn]];
 }
 
 function ofRun(film: Film): [string, ComponentChildren][] {
     const { agents, step, mechanical_step, warnings } = film.scene;
-    const rows: [string, ComponentChildren][] = [["People", String(agents.length)], ...drawnFrom(), ...assumptions(film.made), ...exits(film), ["Steps", `communication ${step} s, mechanical ${mechanical_step} s`]];
-    return warnings.length > 0 ? [...rows, ["Warnings", <span translate={false}>{warnings.join("; ")}</span>]] : rows;
+    const rows: [string, ComponentChildren][] = [[t("People"), String(agents.length)], ...drawnFrom(), ...assumptions(film.made), ...exits(film), [t("Steps"), t("communication {step} s, mechanical {mechanical} s", { step, mechanical: mechanical_step })]];
+    return warnings.length > 0 ? [...rows, [t("Warnings"), warnings.join("; ")]] : rows;
 }
 
 /** What a sweep was made of: it may be another scene than the one on the stage. */
 function ofSweep({ made, parameter, until, runs }: Sweep): [string, string][] {
     const all = (of: (run: Sweep["runs"][number]) => number) => [...new Set(runs.map(of))].sort((a, b) => a - b).join(", ");
-    const rows: [string, string][] = [["Parameter", `${parameter.label}: ${all(({ value }) => value)} ${parameter.unit}`.trim()], ["Seeds", all(({ seed }) => seed)], ["Until all have left, at most", `${until} s`]];
+    const rows: [string, string][] = [[t("Parameter"), `${t(parameter.label)}: ${all(({ value }) => value)} ${parameter.unit}`.trim()], [t("Seeds"), all(({ seed }) => seed)], [t("Until all have left, at most"), `${until} s`]];
     const { base, mechanics } = made;
-    if (base.kind === "crowd") rows.push(["People", base.number === null ? `${base.density} per m²` : String(base.number)]);
+    if (base.kind === "crowd") rows.push([t("People"), base.number === null ? t("{density} per m²", { density: base.density! }) : String(base.number)]);
     rows.push(...assumptions(made));
     const [step, mechanical] = [mechanics?.time_step, mechanics?.time_step_mechanical];
-    if (step || mechanical) rows.push(["Changed steps", [step && `communication ${step} s`, mechanical && `mechanical ${mechanical} s`].filter(Boolean).join(", ")]);
+    if (step || mechanical) rows.push([t("Changed steps"), [step && t("communication {step} s", { step }), mechanical && t("mechanical {mechanical} s", { mechanical })].filter(Boolean).join(", ")]);
     return rows;
 }
 
@@ -147,23 +149,23 @@ function numbers(film: Film): [string, ComponentChildren][] {
     const time = (k: number) => `${(k * shown.step).toFixed(2)} s`;
     const squeeze = (seconds: number) => {
         const found = greatest(film, seconds);
-        return found ? `${digits(found.most, 3)} N, at ${time(found.k)}` : `nothing yet: the run is shorter than ${seconds} s`;
+        return found ? t("{most} N, at {time}", { most: digits(found.most, 3), time: time(found.k) }) : t("nothing yet: the run is shorter than {seconds} s", { seconds });
     };
-    const rows: [string, ComponentChildren][] = [["Computed", last > 0 ? time(last) : "nothing yet: play the run first"]];
+    const rows: [string, ComponentChildren][] = [[t("Computed"), last > 0 ? time(last) : t("nothing yet: play the run first")]];
     const { force, seconds } = plan.value.limit;
     if (last > 0) {
         rows.push(
-            [`Greatest squeeze of anybody, mean of ${seconds} s`, squeeze(seconds)],
-            ["Limit of the squeeze", `${force} N, mean of ${seconds} s`],
+            [t("Greatest squeeze of anybody, mean of {seconds} s", { seconds }), squeeze(seconds)],
+            [t("Limit of the squeeze"), t("{force} N, mean of {seconds} s", { force, seconds })],
             ...aboveLimit(film),
-            ["Greatest squeeze of anybody, mean of 0.1 s: it may be an impact", squeeze(SHORT)],
-            ["Deepest overlap", `${digits(1000 * film.overlaps[last]!, 2)} mm`],
+            [t("Greatest squeeze of anybody, mean of 0.1 s: it may be an impact"), squeeze(SHORT)],
+            [t("Deepest overlap"), `${digits(1000 * film.overlaps[last]!, 2)} mm`],
         );
     }
     if (shown.leaving === 0) return rows;
     const all = emptied.value !== null && emptied.value <= last;
-    rows.push(["Have left", all ? `all ${shown.leaving} after ${time(emptied.value!)}` : `${frames.curve("left")[last]} of ${shown.leaving}`]);
-    for (const { name, count, flow } of perExit(film)) rows.push([`By ${named(name)}`, `${count} ${count === 1 ? "person" : "people"}${flow === null ? "" : `, ${digits(flow, 3)} per second from the first to the last`}`]);
+    rows.push([t("Have left"), all ? t("all {n} after {time}", { n: shown.leaving, time: time(emptied.value!) }) : t("{part} of {n}", { part: frames.curve("left")[last]!, n: shown.leaving })]);
+    for (const { name, people, flow } of perExit(film)) rows.push([t("By {name}", { name: named(name) }), `${count(people, "{n} person", "{n} people")}${flow === null ? "" : t(", {flow} per second from the first to the last", { flow: digits(flow, 3) })}`]);
     return rows;
 }
 
@@ -180,13 +182,13 @@ function Results({ film }: { film: Film }) {
             <thead>
                 <tr>
                     <td />
-                    <th scope="col">This run</th>
-                    <th scope="col">The run that is kept</th>
+                    <th scope="col">{t("This run")}</th>
+                    <th scope="col">{t("The run that is kept")}</th>
                 </tr>
             </thead>
             <tbody>
                 <tr>
-                    <th scope="row">What is different</th>
+                    <th scope="row">{t("What is different")}</th>
                     <td>{difference() || "–"}</td>
                     <td>{differing(other.facts, facts()) || "–"}</td>
                 </tr>
@@ -207,46 +209,42 @@ export function Report({ film }: { film: Film }) {
     useEffect(() => () => URL.revokeObjectURL(picture), [picture]);
     const swept = sweep.value;
     return (
-        <main class="report" aria-label="Report">
+        <main class="report" aria-label={t("Report")}>
             <div class="buttons">
-                <button type="button" class="main" onClick={() => print()}>
-                    Print
-                </button>
-                <button type="button" onClick={() => (report.value = null)}>
-                    Back to the lab
-                </button>
+                <Button words={t("Print")} class="main" onClick={() => print()} />
+                <Button words={t("Back to the lab")} onClick={() => (report.value = null)} />
             </div>
-            <h1 translate={false}>{scene.value.name}</h1>
+            <h1>{scene.value.name}</h1>
             <label class={plan.value.author ? "field author" : "field author none"}>
-                <span>Author</span>
+                <span>{t("Author")}</span>
                 <Field type="text" maxLength={NAME} value={plan.value.author} onChange={(event) => change({ author: event.currentTarget.value.trim() })} />
             </label>
             <p>
-                Made with the LEMONS lab <span translate={false}>{VERSION}</span> on {new Date().toISOString().slice(0, 10)}: pedestrians as rigid bodies of disks with damped springs and friction, in two dimensions.{" "}
-                <a href={link()}>This scene as a link</a>.
+                {t("Made with the LEMONS lab {version} on {date}: pedestrians as rigid bodies of disks with damped springs and friction, in two dimensions.", { version: VERSION, date: new Date().toISOString().slice(0, 10) })}{" "}
+                <a href={link()}>{t("This scene as a link")}</a>.
             </p>
-            <img src={picture} alt={`The scene at ${time.toFixed(2)} s`} />
-            <p class="note">{`The scene at ${time.toFixed(2)} s`}{time > 0 && ", the moment of the greatest squeeze"}</p>
-            <h2>What was assumed</h2>
+            <img src={picture} alt={t("The scene at {time} s", { time: time.toFixed(2) })} />
+            <p class="note">{t("The scene at {time} s", { time: time.toFixed(2) })}{time > 0 && t(", the moment of the greatest squeeze")}</p>
+            <h2>{t("What was assumed")}</h2>
             <Facts rows={ofRun(film)} />
-            <h2>What came out</h2>
+            <h2>{t("What came out")}</h2>
             <Results film={film} />
             {swept && swept.runs.length > 0 && (
                 <>
-                    <h2>{`Sweep of "${swept.scene}"`}</h2>
-                    {JSON.stringify(swept.made) !== JSON.stringify(plan.value.made) && <p class="note">The scene was changed since: what was assumed in the sweep is below.</p>}
+                    <h2>{t('Sweep of "{scene}"', { scene: swept.scene })}</h2>
+                    {JSON.stringify(swept.made) !== JSON.stringify(plan.value.made) && <p class="note">{t("The scene was changed since: what was assumed in the sweep is below.")}</p>}
                     <Facts rows={ofSweep(swept)} />
                     <SweepTable of={swept} measure="all_left" />
                     <SweepTable of={swept} measure="greatest_mean_of_1_s" />
                 </>
             )}
-            <h2>What these numbers do not say</h2>
+            <h2>{t("What these numbers do not say")}</h2>
             <ul>
-                <li>One run is one sample. Other seeds place other people: times and forces differ, and the greatest ones differ most. A sweep shows by how much.</li>
-                <li>The survey is of soldiers of 18 to 50 years. Children, the elderly, wheelchairs and luggage are not in it.</li>
-                {film.scene.agents.some(({ kind }) => kind) && <li>Numbers of kinds of people are of other sources, or assumptions (docs/people.md). Nobody yields to a wheelchair or helps another.</li>}
-                <li>Bodies move on a plane. Nobody falls, climbs or bends, unless the scene says that those who stand may lose balance.</li>
-                <li>Times of leaving were compared with experiments for doors and corridors, without panic (docs/validation.md). They are no proof for a building.</li>
+                <li>{t("One run is one sample. Other seeds place other people: times and forces differ, and the greatest ones differ most. A sweep shows by how much.")}</li>
+                <li>{t("The survey is of soldiers of 18 to 50 years. Children, the elderly, wheelchairs and luggage are not in it.")}</li>
+                {film.scene.agents.some(({ kind }) => kind) && <li>{t("Numbers of kinds of people are of other sources, or assumptions (docs/people.md). Nobody yields to a wheelchair or helps another.")}</li>}
+                <li>{t("Bodies move on a plane. Nobody falls, climbs or bends, unless the scene says that those who stand may lose balance.")}</li>
+                <li>{t("Times of leaving were compared with experiments for doors and corridors, without panic (docs/validation.md). They are no proof for a building.")}</li>
             </ul>
             <Squeeze film={film} />
         </main>

@@ -6,9 +6,10 @@ import { BackdropForms } from "./backdrop";
 import { MakeCrowd } from "./crowd";
 import { DrawingPanel } from "./drawing";
 import { edited, ready, shape } from "./drawn";
+import { inner, t } from "./language";
 import { NewRoom } from "./newroom";
 import { OpenTimes } from "./opentimes";
-import { brief, Choice, LengthField, length } from "./parts";
+import { brief, Button, Choice, FAR, length, LengthField, PointFields } from "./parts";
 import { type KeptCrowd, MOST } from "./forms";
 import { change, plan } from "./plan";
 import { openPlan, PLANS } from "./plans";
@@ -19,26 +20,26 @@ import { made } from "./session";
 import { useTool } from "./tool";
 import { FileInput } from "./upload";
 
-/** The largest coordinate and side of a drawn room, and the largest coordinate of a Trial's, in m. */
-const FAR = 1000;
-const FARTHEST = 1e6;
+/** The largest coordinate in m: that of a Trial's is larger. */
+const far = () => (target.value === "trial" ? 1e6 : FAR);
 /** Of more walls, only the fields of the one that is marked are shown. */
 const MANY = 50;
 
-const ENDS = "Enter, a double click or a click on the first corner ends it.";
+const ENDS = t("Enter, a double click or a click on the first corner ends it.");
+const RECTANGLE = t("Press at one corner of a rectangle and draw to the other one.");
 const MODES: [Mode, string, string][] = [
-    ["outline", "Draw the outline", `Click the corners of the room. ${ENDS}`],
-    ["rectangle", "Draw an obstacle", "Press at one corner of a rectangle and draw to the other one."],
-    ["polygon", "Draw an obstacle of any shape", `Click its corners. ${ENDS}`],
-    ["wall", "Draw a wall", `Click its corners. ${ENDS}`],
-    ["door", "Put a door", "Click on a wall."],
-    ["region", "Draw where people stand", "Press at one corner of a rectangle and draw to the other one."],
+    ["outline", t("Draw the outline"), `${t("Click the corners of the room.")} ${ENDS}`],
+    ["rectangle", t("Draw an obstacle"), RECTANGLE],
+    ["polygon", t("Draw an obstacle of any shape"), `${t("Click its corners.")} ${ENDS}`],
+    ["wall", t("Draw a wall"), `${t("Click its corners.")} ${ENDS}`],
+    ["door", t("Put a door"), t("Click on a wall.")],
+    ["region", t("Draw where people stand"), RECTANGLE],
 ];
 /** Those that a Trial's walls are changed with. */
 const OF_TRIAL: Mode[] = ["rectangle", "polygon", "wall", "door"];
 
 export function RoomTab() {
-    return ready() ? <Forms /> : <p role="status">One moment …</p>;
+    return ready() ? <Forms /> : <p role="status">{t("One moment …")}</p>;
 }
 
 function Forms() {
@@ -46,26 +47,26 @@ function Forms() {
     useTool(roomTool);
     const { base } = plan.value.made;
     return (
-        <section class="panel" aria-label="Room">
-            <h2>Room</h2>
+        <section class="panel" aria-label={t("Room")}>
+            <h2>{t("Room")}</h2>
             <div class="buttons">
                 <NewRoom />
             </div>
             {base.kind !== "crowd" && (
                 <Choice
-                    label="What is changed"
+                    label={t("What is changed")}
                     value={target.value}
                     choices={[
-                        ["trial", "The walls of this Trial"],
-                        ["forms", "A new room, for a new crowd"],
+                        ["trial", t("The walls of this Trial")],
+                        ["forms", t("A new room, for a new crowd")],
                     ]}
                     onChange={aim}
                 />
             )}
             {target.value === "trial" ? <TrialForms /> : <CrowdForms />}
-            <h2>Plans and pictures</h2>
-            <p class="note">A plan (DXF, GeoJSON, WKT, SVG, Geometry.xml) becomes a room; a picture (PNG, JPEG, WebP, SVG) lies under it.</p>
-            <FileInput label="Open a plan or a picture" accept={PLANS} onFiles={async ([given]) => given && openPlan(given.file)} />
+            <h2>{t("Plans and pictures")}</h2>
+            <p class="note">{t("A plan (DXF, GeoJSON, WKT, SVG, Geometry.xml) becomes a room; a picture (PNG, JPEG, WebP, SVG) lies under it.")}</p>
+            <FileInput label={t("Open a plan or a picture")} accept={PLANS} onFiles={async ([given]) => given && openPlan(given.file)} />
             <DrawingPanel />
             <BackdropForms />
         </section>
@@ -78,19 +79,17 @@ function Draw({ modes }: { modes: typeof MODES }) {
     const corners = ["outline", "polygon", "wall"].includes(mode.value);
     return (
         <>
-            <div class="buttons" role="group" aria-label="Draw on the picture">
+            <div class="buttons" role="group" aria-label={t("Draw on the picture")}>
                 {modes.map(([key, words]) => (
-                    <button key={key} type="button" aria-pressed={mode.value === key} onClick={() => begin(mode.value === key ? "change" : key)}>
-                        {words}
-                    </button>
+                    <Button key={key} words={words} aria-pressed={mode.value === key} onClick={() => begin(mode.value === key ? "change" : key)} />
                 ))}
             </div>
             <p class="note" role="status">
                 {hint
-                    ? `${hint} Esc ends it without a change.${corners ? " Hold Shift for right angles." : ""}`
-                    : "Drag corners and doors on the picture. A click on a wall makes a corner; the Delete key removes what is marked."}
+                    ? `${hint} ${t("Esc ends it without a change.")}${corners ? ` ${t("Hold Shift for right angles.")}` : ""}`
+                    : t("Drag corners and doors on the picture. A click on a wall makes a corner; the Delete key removes what is marked.")}
             </p>
-            {!hint && <p class="note">Shift and Delete remove all of an obstacle or a wall; Shift and arrows move what is marked by 5 cm.</p>}
+            {!hint && <p class="note">{t("Shift and Delete remove all of an obstacle or a wall; Shift and arrows move what is marked by 5 cm.")}</p>}
         </>
     );
 }
@@ -101,20 +100,19 @@ function Lines({ room }: { room: Room }) {
     const all = rings(room).map((_, ring) => ring).slice(first);
     const marked = picked.value?.kind === "corner" ? picked.value.ring : null;
     const many = all.length > MANY;
+    /** They have no names but their places. */
     const title = (ring: number) => {
         const k = ring - room.obstacles.length;
-        return ring === 0 ? ["Corners", "Corner"] : k <= 0 ? [`Obstacle ${ring}`, `Obstacle ${ring}, corner`] : [`Wall ${k}`, `Wall ${k}, corner`];
+        return ring === 0 ? t("Corners") : k <= 0 ? t("Obstacle {n}", { n: ring }) : t("Wall {n}", { n: k });
     };
     return (
         <>
-            {many && <p class="note">{`There are ${all.length} walls. Mark a corner on the picture to see the numbers of its wall.`}</p>}
+            {many && <p class="note">{t("There are {n} walls. Mark a corner on the picture to see the numbers of its wall.", { n: all.length })}</p>}
             {all
                 .filter((ring) => !many || ring === marked)
-                .map((ring) => {
-                    const [words, name] = title(ring);
-                    // They have no names but their places.
-                    return <Ring key={ring} title={words!} name={name!} room={room} ring={ring} />;
-                })}
+                .map((ring) => (
+                    <Ring key={ring} title={title(ring)} room={room} ring={ring} />
+                ))}
         </>
     );
 }
@@ -125,19 +123,17 @@ function TrialForms() {
     if (fixed.value) return <p class="warning">{fixed.value}</p>;
     return (
         <>
-            <p class="note">People, materials and what moves people stay as they are. New walls are of the material of the first one.</p>
+            <p class="note">{t("People, materials and what moves people stay as they are. New walls are of the material of the first one.")}</p>
             <Draw modes={MODES.filter(([key]) => OF_TRIAL.includes(key))} />
             <Doors room={room} />
             <Lines room={room} />
             {isChanged.value ? (
                 <p class="note">
-                    The walls are changed.{" "}
-                    <button type="button" onClick={takeBack}>
-                        Take the walls of the Trial again
-                    </button>
+                    {t("The walls are changed.")}{" "}
+                    <Button words={t("Take the walls of the Trial again")} onClick={takeBack} />
                 </p>
             ) : (
-                <p class="note">The walls are those of the Trial.</p>
+                <p class="note">{t("The walls are those of the Trial.")}</p>
             )}
         </>
     );
@@ -156,11 +152,11 @@ function CrowdForms() {
             <Region crowd={crowd} />
             {made.value && same && (
                 <p class="note">
-                    The free ground has {made.value.area.toFixed(2)} m²{crowd.region && " where people stand"}.
+                    {t("The free ground has")} {made.value.area.toFixed(2)} m²{crowd.region && t(" where people stand")}.
                 </p>
             )}
             <MakeCrowd />
-            <p class="note">Walls of up to {MOST.outline} corners; corners snap to {length(0.05, unit)}.</p>
+            <p class="note">{t("Walls of up to {outline} corners; corners snap to {length}.", { outline: MOST.outline, length: length(0.05, unit) })}</p>
         </>
     );
 }
@@ -170,10 +166,8 @@ function Size({ room }: { room: Room }) {
     if (!upright) {
         return (
             <p class="note">
-                A polygon with {room.outline.length} corners.{" "}
-                <button type="button" onClick={() => batch(() => (setRoom({ outline: rectangle(4, 4), obstacles: [], doors: [] }), change({ drawn: null })))}>
-                    Make it a rectangle
-                </button>
+                {t("A polygon with")} {room.outline.length} {t("corners.")}{" "}
+                <Button words={t("Make it a rectangle")} onClick={() => batch(() => (setRoom({ outline: rectangle(4, 4), obstacles: [], doors: [] }), change({ drawn: null })))} />
             </p>
         );
     }
@@ -187,52 +181,37 @@ function Size({ room }: { room: Room }) {
     };
     return (
         <div class="row">
-            <LengthField label="Room width" value={width} min={0.1} max={FAR} onChange={(value) => set(value, height)} />
-            <LengthField label="Room height" value={height} min={0.1} max={FAR} onChange={(value) => set(width, value)} />
+            <LengthField label={t("Room width")} value={width} min={0.1} max={FAR} onChange={(value) => set(value, height)} />
+            <LengthField label={t("Room height")} value={height} min={0.1} max={FAR} onChange={(value) => set(width, value)} />
         </div>
     );
 }
 
-function PointFields({ name, at, onChange }: { name: string; at: Point; onChange(at: Point): void }) {
-    const far = target.value === "trial" ? FARTHEST : FAR;
-    return (
-        <>
-            <LengthField label={`${name}, x`} short="x" value={at[0]} min={-far} max={far} onChange={(x) => onChange([x, at[1]])} />
-            <LengthField label={`${name}, y`} short="y" value={at[1]} min={-far} max={far} onChange={(y) => onChange([at[0], y])} />
-        </>
-    );
-}
-
-function Ring({ title, name, room, ring }: { title: string; name: string; room: Room; ring: number }) {
+function Ring({ title, room, ring }: { title: string; room: Room; ring: number }) {
     // Many fields take long to make.
     const [open, setOpen] = useState(false);
     const all = rings(room)[ring]!;
     const wall = wallAt(room, ring);
     // The last corner of a closed wall is the first one.
     const corners = wall && closes(all) ? all.slice(0, -1) : all;
+    const name = (n: number) => (ring === 0 ? t("Corner {n}", { n }) : `${title}, ${t("corner {n}", { n })}`);
     return (
         <details onToggle={(event) => setOpen(event.currentTarget.open)}>
             <summary>
-                {title} {wall?.of != null && <span translate={false}>"{brief(wall.of)}" </span>}
-                <span class="unit">({corners.length}{ring > 0 && " corners"})</span>
+                {title} {wall?.of != null && `"${brief(wall.of)}" `}
+                <span class="unit">({ring > 0 ? t("{n} corners", { n: corners.length }) : corners.length})</span>
             </summary>
             {open &&
                 corners.map((at, k) => (
                     <div class="row" key={k}>
                         <span class="which">{k + 1}</span>
-                        <PointFields name={`${name} ${k + 1}`} at={at} onChange={(to) => setRoom(edited(room, { do: "move", ring, corner: k, to }))} />
-                        <button type="button" aria-label={`Insert a corner after ${name.toLowerCase()} ${k + 1}`} disabled={k + 1 >= all.length && wall !== undefined} onClick={() => setRoom(insert(room, ring, k))}>
-                            +
-                        </button>
-                        <button type="button" aria-label={`Delete ${name.toLowerCase()} ${k + 1}`} disabled={!canLose(room, ring)} onClick={() => remove({ kind: "corner", ring, k })}>
-                            ×
-                        </button>
+                        <PointFields name={name(k + 1)} far={far()} at={at} onChange={(to) => setRoom(edited(room, { do: "move", ring, corner: k, to }))} />
+                        <Button words="+" aria-label={t("Insert a corner after {name}", { name: inner(name(k + 1)) })} disabled={k + 1 >= all.length && wall !== undefined} onClick={() => setRoom(insert(room, ring, k))} />
+                        <Button words="×" aria-label={t("Delete {name}", { name: inner(name(k + 1)) })} disabled={!canLose(room, ring)} onClick={() => remove({ kind: "corner", ring, k })} />
                     </div>
                 ))}
             {ring > 0 && (
-                <button type="button" onClick={() => clear(ring)}>
-                    Delete {title.toLowerCase()}
-                </button>
+                <Button words={t("Delete {name}", { name: inner(title) })} onClick={() => clear(ring)} />
             )}
         </details>
     );
@@ -249,27 +228,26 @@ function Doors({ room }: { room: Room }) {
     return (
         <details open={doors.length > 0}>
             <summary>
-                Doors <span class="unit">({doors.length})</span>
+                {t("Doors")} <span class="unit">({doors.length})</span>
             </summary>
-            {doors.map((door, k) => (
-                <div key={k}>
-                    <div class="row">
-                        <span class="which">{k + 1}</span>
-                        <LengthField label={`Door ${k + 1}, width`} short="width" value={door.width} min={0.1} max={100} onChange={(width) => set(k, { width })} />
-                        <PointFields name={`Door ${k + 1}`} at={door.at} onChange={(at) => set(k, { at })} />
-                        <button type="button" aria-label={`Delete door ${k + 1}`} onClick={() => remove({ kind: "door", k })}>
-                            ×
-                        </button>
+            {doors.map((door, k) => {
+                const name = t("Door {n}", { n: k + 1 });
+                return (
+                    <div key={k}>
+                        <div class="row">
+                            <span class="which">{k + 1}</span>
+                            <LengthField of={name} label={t("width")} value={door.width} min={0.1} max={100} onChange={(width) => set(k, { width })} />
+                            <PointFields name={name} far={far()} at={door.at} onChange={(at) => set(k, { at })} />
+                            <Button words="×" aria-label={t("Delete {name}", { name: inner(name) })} onClick={() => remove({ kind: "door", k })} />
+                        </div>
+                        <OpenTimes name={name} times={door.open ?? null} onChange={(open) => set(k, { open: open ?? undefined })} />
                     </div>
-                    <OpenTimes name={`Door ${k + 1}`} times={door.open ?? null} onChange={(open) => set(k, { open: open ?? undefined })} />
-                </div>
-            ))}
+                );
+            })}
             {some && doors.length < MOST.parts && (
-                <button type="button" onClick={() => add(some)}>
-                    Add a door by numbers
-                </button>
+                <Button words={t("Add a door by numbers")} onClick={() => add(some)} />
             )}
-            <p class="note">A door is a gap in the wall that is nearest to x and y. A wall closes it while it is not open.</p>
+            <p class="note">{t("A door is a gap in the wall that is nearest to x and y. A wall closes it while it is not open.")}</p>
         </details>
     );
 }
@@ -282,17 +260,13 @@ function Region({ crowd }: { crowd: KeptCrowd }) {
     return (
         <details open={region !== null}>
             <summary>
-                Where people stand <span class="unit">({region ? "a part of the room" : "the whole room"})</span>
+                {t("Where people stand")} <span class="unit">({region ? t("a part of the room") : t("the whole room")})</span>
             </summary>
             {around?.upright && <RegionFields bounds={around.bounds} set={set} />}
             {region ? (
-                <button type="button" onClick={() => set(null)}>
-                    Use the whole room
-                </button>
+                <Button words={t("Use the whole room")} onClick={() => set(null)} />
             ) : (
-                <button type="button" onClick={() => set(rectangle(...shape(room.outline).bounds))}>
-                    Use a rectangle, by numbers
-                </button>
+                <Button words={t("Use a rectangle, by numbers")} onClick={() => set(rectangle(...shape(room.outline).bounds))} />
             )}
         </details>
     );
@@ -302,10 +276,10 @@ function RegionFields({ bounds: [width, height, left, low], set }: { bounds: Out
     const clean = (value: number) => Number(value.toFixed(3));
     return (
         <div class="row two">
-            <LengthField label="Region, left" short="left" value={clean(left)} min={-FAR} max={FAR} onChange={(value) => set(rectangle(width, height, value, low))} />
-            <LengthField label="Region, low" short="low" value={clean(low)} min={-FAR} max={FAR} onChange={(value) => set(rectangle(width, height, left, value))} />
-            <LengthField label="Region, width" short="width" value={clean(width)} min={0.1} max={FAR} onChange={(value) => set(rectangle(value, height, left, low))} />
-            <LengthField label="Region, height" short="height" value={clean(height)} min={0.1} max={FAR} onChange={(value) => set(rectangle(width, value, left, low))} />
+            <LengthField of={t("Region")} label={t("left")} value={clean(left)} min={-FAR} max={FAR} onChange={(value) => set(rectangle(width, height, value, low))} />
+            <LengthField of={t("Region")} label={t("low")} value={clean(low)} min={-FAR} max={FAR} onChange={(value) => set(rectangle(width, height, left, value))} />
+            <LengthField of={t("Region")} label={t("width")} value={clean(width)} min={0.1} max={FAR} onChange={(value) => set(rectangle(value, height, left, low))} />
+            <LengthField of={t("Region")} label={t("height")} value={clean(height)} min={0.1} max={FAR} onChange={(value) => set(rectangle(width, value, left, low))} />
         </div>
     );
 }

@@ -1,8 +1,9 @@
 // Drawing and changing a room by pointer and keys.
 
 import { computed, effect, signal } from "@preact/signals";
-import { type Inks, label } from "./draw";
+import { circle, handle, type Inks, label, through } from "./draw";
 import { drawn, edited } from "./drawn";
+import { t } from "./language";
 import { length } from "./parts";
 import { MOST, roomFits } from "./forms";
 import { change, plan } from "./plan";
@@ -69,10 +70,10 @@ const ofTrial = computed((): Room | null => {
 /** Why the walls of the Trial cannot be changed; empty if they can. */
 export const fixed = computed(() => {
     const walls = ofTrial.value;
-    if (!walls) return "One moment …";
+    if (!walls) return t("One moment …");
     const corners = rings(walls).flat().length;
     if (corners <= MOST.all && roomFits(walls)) return "";
-    return `These walls can be seen, but not be changed here: there are ${rings(walls).length - 1} with ${corners} corners. This page changes up to ${MOST.walls} walls with up to ${MOST.all} corners.`;
+    return t("These walls can be seen, but not be changed here: there are {n} with {corners} corners. This page changes up to {walls} walls with up to {all} corners.", { n: rings(walls).length - 1, corners, walls: MOST.walls, all: MOST.all });
 });
 
 /** Whether the walls of the Trial on the stage were changed. */
@@ -120,7 +121,7 @@ function finish() {
     if (kind === "outline") return change({ crowd: { ...crowd, room: { outline: corners, obstacles: [], doors: [] }, region: null }, drawn: null });
     if (kind === "region") return change({ crowd: { ...crowd, region: corners } });
     if (rings(now).length > MOST.walls) {
-        problem.value = `There are ${MOST.walls} walls already.`;
+        problem.value = t("There are {walls} walls already.", { walls: MOST.walls });
         return;
     }
     const open = kind === "wall" && !closes(corners);
@@ -314,9 +315,7 @@ function isPicked(kind: Part["kind"], k: number, ring?: number) {
 }
 
 function trace(context: CanvasRenderingContext2D, corners: Point[], closed: boolean) {
-    context.beginPath();
-    corners.forEach(([x, y], k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));
-    if (closed) context.closePath();
+    through(context, corners, closed);
     context.stroke();
 }
 
@@ -353,16 +352,14 @@ function paintDoor(context: CanvasRenderingContext2D, course: Point[], pixel: nu
 }
 
 function handles(context: CanvasRenderingContext2D, room: Room, pixel: number, inks: Inks) {
+    context.strokeStyle = inks.pick;
+    context.lineWidth = 2 * pixel;
     for (const [ring, corners] of rings(room).entries()) {
-        corners.forEach(([x, y], k) => {
+        corners.forEach((corner, k) => {
+            const marked = isPicked("corner", k, ring);
             // Of a small column, not each corner has room for one.
-            if (k > 0 && distance([x, y], corners[k - 1]!) < 8 * pixel && !isPicked("corner", k, ring)) return;
-            const half = (isPicked("corner", k, ring) ? 7 : 5) * pixel;
-            context.fillStyle = isPicked("corner", k, ring) ? inks.mark : inks.paper;
-            context.strokeStyle = inks.pick;
-            context.lineWidth = 2 * pixel;
-            context.fillRect(x - half, y - half, 2 * half, 2 * half);
-            context.strokeRect(x - half, y - half, 2 * half, 2 * half);
+            if (!marked && k > 0 && distance(corner, corners[k - 1]!) < 8 * pixel) return;
+            handle(context, corner, (marked ? 7 : 5) * pixel, marked ? inks.mark : inks.paper);
         });
     }
 }
@@ -379,8 +376,7 @@ function paintSketch(context: CanvasRenderingContext2D, view: View, pixel: numbe
         const [course] = drawn({ ...draft.value, doors: [{ at: to, width: DOOR }] }).doors;
         return course?.length ? paintDoor(context, course, pixel, inks, true) : undefined;
     }
-    context.beginPath();
-    context.arc(...to, 4 * pixel, 0, 2 * Math.PI);
+    circle(context, to, 4 * pixel);
     context.fill();
     const { unit } = plan.value;
     if (!first) {
@@ -389,8 +385,7 @@ function paintSketch(context: CanvasRenderingContext2D, view: View, pixel: numbe
     const spans = mode.value === "rectangle" || mode.value === "region";
     trace(context, spans ? spanned(first, to) : [...corners, to], spans);
     for (const corner of corners) {
-        context.beginPath();
-        context.arc(...corner, 5 * pixel, 0, 2 * Math.PI);
+        circle(context, corner, 5 * pixel);
         context.fill();
     }
     const last = corners.at(-1)!;

@@ -3,8 +3,10 @@
 // be closed, and tells other tabs.
 
 import { batch, computed, effect, signal, untracked } from "@preact/signals";
-import { arrived, canRedo, canUndo, deleted, FIRST, FORMER, isFormer, type Kept, keptScenes, NAME, opened, plan, read, replace, SCENE, scene, sceneOf, storage, toKeep } from "./plan";
+import { t } from "./language";
+import { arrived, canRedo, canUndo, deleted, FIRST, FORMER, isFormer, type Kept, keptScenes, NAME, opened, plan, read, replace, SCENE, scene, sceneOf, toKeep } from "./plan";
 import { choose, problem, said } from "./session";
+import { storage } from "./storage";
 
 /** Changes when scenes in the browser do. */
 const turn = signal(0);
@@ -27,13 +29,13 @@ function newId() {
 function write(id: string, text: string): string {
     try {
         const to = storage("localStorage");
-        if (!to) throw new Error("this browser allows no storage here");
+        if (!to) throw new Error(t("this browser allows no storage here"));
         to.setItem(SCENE + id, text);
         turn.value += 1;
         return "";
     } catch (error) {
         const full = (error as Error).name === "QuotaExceededError";
-        return full ? "this browser's storage is full: delete scenes that you do not need" : (error as Error).message;
+        return full ? t("this browser's storage is full: delete scenes that you do not need") : (error as Error).message;
     }
 }
 
@@ -80,10 +82,10 @@ export function begin() {
         const { id, name: called } = scene.value;
         if (id === null || key !== SCENE + id || newValue === written) return;
         // Nothing of the other tab's is written over.
-        const copy = newValue === null ? called : `${called} (copy)`.slice(-NAME);
+        const copy = newValue === null ? called : t("{name} (copy)", { name: called }).slice(-NAME);
         name = copy;
         scene.value = { id: null, name: copy };
-        said.value = newValue === null ? `"${called}" was deleted in another tab. Here it is a copy, which is kept when you change it.` : `"${called}" was changed in another tab. Here it is a copy, which is kept when you change it.`;
+        said.value = newValue === null ? t('"{called}" was deleted in another tab. Here it is a copy, which is kept when you change it.', { called }) : t('"{called}" was changed in another tab. Here it is a copy, which is kept when you change it.', { called });
     });
 }
 
@@ -113,12 +115,12 @@ export function rename(called: string) {
 }
 
 function tell(why: string) {
-    if (why) problem.value = `Not saved: ${why}.`;
+    if (why) problem.value = t("Not saved: {why}.", { why });
 }
 
 /** Another scene with the same contents. */
 export function duplicate({ name: called, plan: from, past, future }: Kept) {
-    tell(write(newId(), JSON.stringify({ name: `${called} (copy)`.slice(-NAME), ...sceneOf(from), past, future, changed: Date.now() })));
+    tell(write(newId(), JSON.stringify({ name: t("{name} (copy)", { name: called }).slice(-NAME), ...sceneOf(from), past, future, changed: Date.now() })));
 }
 
 export function remove(id: string) {
@@ -149,7 +151,7 @@ export function file(): [string, string] {
 
 /** Opens such a file. */
 export async function openFile(given: File) {
-    if (given.size > 4e6) throw new Error(`${given.name} is too large for a scene`);
+    if (given.size > 4e6) throw new Error(t("{name} is too large for a scene", { name: given.name }));
     const { kept, left } = read(await given.text(), given.name);
     if (!kept) throw new Error(left);
     batch(() => {

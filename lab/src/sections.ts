@@ -1,7 +1,6 @@
 // Bodies cut by a level plane. The polygons are asked for; here they only become paths.
 
 import { signal } from "@preact/signals";
-import type { Client } from "./client";
 import type { Film } from "./film";
 import { Latest } from "./latest";
 import type { Point, Sections as Cut } from "./protocol";
@@ -17,7 +16,7 @@ export class Sections {
     #asked = new Latest<number>(async (altitude) => {
         if (this.film.over || altitude === this.#there) return;
         try {
-            const { value } = await this.client.ask<Cut>({ ask: "sections", run: this.film.scene.run, altitude });
+            const { value } = await this.film.client.ask<Cut>({ ask: "sections", run: this.film.scene.run, altitude });
             const { bodies, ...facts } = value;
             this.#paths = bodies.map(pathOf);
             this.facts.value = facts;
@@ -28,10 +27,7 @@ export class Sections {
         this.#there = altitude;
     });
 
-    constructor(
-        readonly client: Client,
-        readonly film: Film,
-    ) {}
+    constructor(readonly film: Film) {}
 
     /** Asks for the sections at an altitude in m. While one answer is awaited, only the last altitude counts. */
     ask(altitude: number): Promise<void> {

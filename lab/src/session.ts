@@ -4,6 +4,7 @@ import { batch, computed, effect, signal, untracked } from "@preact/signals";
 import { Client, Stopped } from "./client";
 import { Film } from "./film";
 import { type KeptBase } from "./forms";
+import { count, engineText, t } from "./language";
 import { arrive, change, FIRST, follow, isNew, keysInUse, type Made as Planned, opened, plan, settle, unread } from "./plan";
 import type { Opened, PlacedCrowd, Scene, Sex, Shown } from "./protocol";
 import { kept, remove } from "./store";
@@ -50,7 +51,7 @@ export async function attempt(what: () => Promise<void>) {
         await what();
     } catch (error) {
         if (error instanceof Stopped) {
-            if (error.message === "stopped") said.value = "Stopped.";
+            if (error.message === "stopped") said.value = t("Stopped.");
         } else {
             problem.value = (error as Error).message;
             said.value = "";
@@ -75,17 +76,15 @@ export async function sent(base: KeptBase): Promise<[Pick<Shown, "base" | "table
 
 async function contents(key: string, name: string): Promise<Uint8Array> {
     const bytes = await kept(key);
-    if (!bytes) throw new Error(`"${name}" is not kept in this browser: a link holds no files. Open it here.`);
+    if (!bytes) throw new Error(t('"{name}" is not kept in this browser: a link holds no files. Open it here.', { name }));
     return bytes;
 }
 
 /** How many people were placed, or opened. */
 function describe(opened: Opened, base: KeptBase, seconds: number): string {
-    const count = opened.scene.agents.length;
-    const people = count === 1 ? "person" : "people";
-    if (base.kind === "crowd") return `${count} ${people} placed in ${seconds.toFixed(2)} s`;
-    if (base.kind === "upload") return `"${base.name}": ${count} ${people}`;
-    return "";
+    const people = count(opened.scene.agents.length, "{n} person", "{n} people");
+    if (base.kind === "crowd") return t("{people} placed in {seconds} s", { people, seconds: seconds.toFixed(2) });
+    return base.kind === "upload" ? `"${base.name}": ${people}` : "";
 }
 
 async function open(wanted: Planned, number: number) {
@@ -112,7 +111,7 @@ async function open(wanted: Planned, number: number) {
     const playing = plays && !matchMedia("(prefers-reduced-motion: reduce)").matches;
     plays = false;
     batch(() => {
-        notes.value = value.notes;
+        notes.value = value.notes.map(engineText);
         made.value = value.made;
         // Those who were moved by hand were not placed again.
         const placed = other || !film.value ? describe(value, wanted.base, seconds) : "";
@@ -206,12 +205,12 @@ function back() {
 /** Ends whatever is computed. */
 export function stop() {
     client.stop("stopped");
-    sayNext = "Stopped. What was there before is shown from its start.";
+    sayNext = t("Stopped. What was there before is shown from its start.");
     back();
 }
 
 client.broken = (why) => {
     const again = client.works;
     if (again) back();
-    problem.value = `The computation ended (${why}). ${again ? "What was shown is opened again, from its start." : "This browser cannot run the lab, or its files are not complete."}`;
+    problem.value = `${t("The computation ended ({why}).", { why })} ${again ? t("What was shown is opened again, from its start.") : t("This browser cannot run the lab, or its files are not complete.")}`;
 };

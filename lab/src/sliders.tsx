@@ -3,16 +3,17 @@
 import { signal } from "@preact/signals";
 import { edited } from "./drawn";
 import { frictionOf, type KeptCrowd } from "./forms";
-import { isOwn, kindWords } from "./kindwords";
+import { isOwn, kindName } from "./kindwords";
+import { type Plain, t } from "./language";
 import { type Mix, percent, shared } from "./mix";
-import { Check } from "./parts";
+import { Check, Range } from "./parts";
 import { change, plan } from "./plan";
 import type { Motion, Wishes } from "./protocol";
 import { choose, playsOn } from "./session";
 
 /** A number of the scene. */
 export interface Parameter {
-    label: string;
+    label: Plain;
     unit: string;
     value: number;
     range: [number, number, number];
@@ -50,7 +51,7 @@ for (const name of ["pointerup", "pointercancel"]) addEventListener(name, letGo)
 function ofKinds({ mix }: KeptCrowd): Parameter[] {
     const [now, from] = [percent(mix), percent(held.value ?? mix)];
     const kinds = Object.keys(from).filter((kind) => kind !== "adult" && !isOwn(kind));
-    return kinds.map((kind) => ({ label: kindWords(kind), unit: "%", value: now[kind] ?? 0, range: [0, 100, 1], with: (share) => ({ crowd: { mix: shared(from, kind, share) } }) }));
+    return kinds.map((kind) => ({ label: kindName(kind), unit: "%", value: now[kind] ?? 0, range: [0, 100, 1], with: (share) => ({ crowd: { mix: shared(from, kind, share) } }) }));
 }
 
 function ofMotion(motion: Motion): Parameter[] {
@@ -93,22 +94,14 @@ export function Sliders() {
                 return (
                     <label key={label} class="scrub">
                         <span>
-                            {label}: <strong>{Number(value.toFixed(2))}</strong> {unit}
+                            {t(label)}: <strong>{Number(value.toFixed(2))}</strong> {unit}
                         </span>
-                        <input
-                            type="range"
-                            min={min}
-                            max={Math.max(max, value)}
-                            step={step}
-                            value={value}
-                            onInput={(event) => slide(parameter, event.currentTarget.valueAsNumber)}
-                            onChange={letGo}
-                        />
+                        <Range min={min} max={Math.max(max, value)} step={step} value={value} onSlide={(to) => slide(parameter, to)} onChange={letGo} />
                     </label>
                 );
             })}
             {plan.value.made.base.kind === "crowd" && Object.keys(plan.value.crowd.mix).length === 0 && (
-                <Check label="Round bodies: one disk each, of the same area" value={plan.value.crowd.round} onChange={(round) => change({ crowd: { ...plan.value.crowd, round } })} />
+                <Check label={t("Round bodies: one disk each, of the same area")} value={plan.value.crowd.round} onChange={(round) => change({ crowd: { ...plan.value.crowd, round } })} />
             )}
         </div>
     );

@@ -15,6 +15,7 @@ import {
     WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { t } from "./language";
 
 const TURN = Math.PI / 24;
 const ZOOM = 0.9;
@@ -43,7 +44,7 @@ function drawsSlowly(): boolean {
 /** The browser cannot draw in three dimensions. */
 export class NoWebGL extends Error {
     constructor() {
-        super("This browser has no WebGL, which 3D needs. 2D and sections show the same people.");
+        super(t("This browser has no WebGL, which 3D needs. 2D and sections show the same people."));
     }
 }
 

@@ -1,26 +1,24 @@
 // The run: the picture and all around it.
 
-import { signal } from "@preact/signals";
-import { type ComponentType } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import { ByPlace, byPlace, mapKind } from "./byplace";
 import { Canvas } from "./canvas";
 import { Charts } from "./charts";
 import type { Film } from "./film";
 import { Hints } from "./hints";
+import { t } from "./language";
 import { Chains, paintTrails, trailsNote } from "./layers";
-import { beat, empty, type Layers, presents, show } from "./layout";
+import { beat, empty, type Layers, presents } from "./layout";
 import { Beside, difference, kept, Now } from "./kept";
 import { Legend } from "./legend";
 import { fit, zoom } from "./look";
 import { MapLegend } from "./map";
 import { MeasureButtons } from "./line";
 import { Menu } from "./menu";
-import { Check, Choice, digits, LengthField, length } from "./parts";
-import { change, embedded, type Plan, plan } from "./plan";
-import { client, selected } from "./session";
+import { Button, Check, Choice, digits, in3d, length, LengthField, Range } from "./parts";
+import { change, type Plan, plan } from "./plan";
 import { Sections } from "./sections";
-import type { Stage3dProps } from "./three";
+import { embedded } from "./storage";
 import { Tools } from "./tools";
 import { Transport } from "./transport";
 
@@ -43,24 +41,24 @@ export function Stage({ film }: { film: Film }) {
         });
         return () => cancelAnimationFrame(handle);
     }, [film]);
-    const chains = useMemo(() => new Chains(client, film), [film]);
-    const sections = useMemo(() => new Sections(client, film), [film]);
-    const { view, line } = plan.value;
+    const chains = useMemo(() => new Chains(film), [film]);
+    const sections = useMemo(() => new Sections(film), [film]);
+    const { view } = plan.value;
     const kind = mapKind.value;
     const quantity = kind && (kind === "density" ? kind : "squeeze");
-    const places = useMemo(() => quantity && new ByPlace(client, film, quantity), [film, quantity]);
+    const places = useMemo(() => quantity && new ByPlace(film.client, film, quantity), [film, quantity]);
     useEffect(() => {
         byPlace.value = places;
         return () => places?.end();
     }, [places]);
     const alone = embedded || presents.value;
     return (
-        <section class="stage" aria-label="Stage">
+        <section class="stage" aria-label={t("Stage")}>
             {!alone && <LayerControls />}
             {view === "section" && <Altitude film={film} sections={sections} />}
             <div class={kept.value && view !== "3d" ? "frame two" : "frame"}>
                 {kept.value && view !== "3d" && <Beside now={film} />}
-                {view === "3d" ? <InSpace film={film} /> : <Picture film={film} chains={chains} sections={sections} />}
+                {view === "3d" ? <Stage3d film={film} /> : <Picture film={film} chains={chains} sections={sections} />}
                 {view !== "3d" && <Zoom />}
                 <Menu />
                 <div class="over">
@@ -77,23 +75,17 @@ export function Stage({ film }: { film: Film }) {
                 </div>
             </div>
             <p id="canvas-keys" class="hidden">
-                Arrow keys, N and P select people; plus and minus zoom, 0 shows all; the space bar plays; Shift+F10 opens the menu of who is selected.
+                {t("Arrow keys, N and P select people; plus and minus zoom, 0 shows all; the space bar plays; Shift+F10 opens the menu of who is selected.")}
             </p>
             <Legend film={film} />
             {places && kind && <MapLegend film={film} places={places} kind={kind} />}
             <Transport film={film} />
-            {!embedded && <Charts film={film} selected={selected.value} line={line} client={client} />}
+            {!embedded && <Charts film={film} />}
         </section>
     );
 }
 
-interface PictureProps {
-    film: Film;
-    chains: Chains;
-    sections: Sections;
-}
-
-function Picture({ film, chains, sections }: PictureProps) {
+function Picture({ film, chains, sections }: { film: Film; chains: Chains; sections: Sections }) {
     const { forces, trails } = plan.value;
     const layers = useMemo<Layers>(
         () => ({
@@ -118,7 +110,7 @@ function Picture({ film, chains, sections }: PictureProps) {
 
 function Widest({ chains }: { chains: Chains }) {
     if (!plan.value.forces || chains.largest === 0) return null;
-    return <p class="note">Lines between people: the wider, the more they press. The widest is {digits(chains.largest, 2)} N.</p>;
+    return <p class="note">{t("Lines between people: the wider, the more they press. The widest is {largest} N.", { largest: digits(chains.largest, 2) })}</p>;
 }
 
 function Altitude({ film, sections }: { film: Film; sections: Sections }) {
@@ -130,15 +122,15 @@ function Altitude({ film, sections }: { film: Film; sections: Sections }) {
         <>
             <div class="controls">
                 <label class="scrub">
-                    <span>Altitude of the section: {length(altitude, unit)} above the ground</span>
-                    <input type="range" min={0} max={2.2} step={0.01} value={altitude} onInput={(event) => set(event.currentTarget.valueAsNumber)} />
+                    <span>{t("Altitude of the section: {length} above the ground", { length: length(altitude, unit) })}</span>
+                    <Range min={0} max={2.2} step={0.01} value={altitude} onSlide={set} />
                 </label>
-                <LengthField label="Altitude" value={altitude} min={0} max={2.5} onChange={set} />
+                <LengthField label={t("Altitude")} value={altitude} min={0} max={2.5} onChange={set} />
             </div>
             {facts && (
                 <p class="note">
-                    The plane cuts {facts.cut} of {film.scene.agents.length} bodies; the sections have an area of {digits(facts.area, 3)} m².
-                    {facts.estimated && " Sex and measures are not known: these are bodies that fit the disks, height and mass."}
+                    {t("The plane cuts {cut} of {n} bodies; the sections have an area of {area} m².", { cut: facts.cut, n: film.scene.agents.length, area: digits(facts.area, 3) })}{" "}
+                    {facts.estimated && t("Sex and measures are not known: these are bodies that fit the disks, height and mass.")}
                 </p>
             )}
             {sections.refused.value && <p role="alert">{sections.refused.value}</p>}
@@ -146,64 +138,20 @@ function Altitude({ film, sections }: { film: Film; sections: Sections }) {
     );
 }
 
-const stage3d = signal<ComponentType<Stage3dProps> | null>(null);
-const missing = signal("");
-
-/** What draws in three dimensions is loaded when it is first wanted. */
-function InSpace({ film }: { film: Film }) {
-    useEffect(() => {
-        if (stage3d.value) return;
-        import("./three")
-            .then(({ default: found }) => {
-                stage3d.value = found;
-            })
-            .catch((error: Error) => {
-                missing.value = `3D could not be loaded: ${error.message}`;
-            });
-    }, []);
-    const Found = stage3d.value;
-    if (missing.value) {
-        return (
-            <p role="alert">
-                {missing.value}{" "}
-                <button type="button" onClick={() => location.reload()}>
-                    Load the page again
-                </button>
-            </p>
-        );
-    }
-    if (!Found) return <p role="status">3D is loaded …</p>;
-    return (
-        <Found
-            film={film}
-            client={client}
-            selected={selected.value}
-            onCanvas={show}
-            onSelect={(agent) => {
-                selected.value = agent;
-            }}
-        />
-    );
-}
+const Stage3d = in3d<{ film: Film }>(() => import("./three"));
 
 const VIEWS: [Plan["view"], string][] = [
-    ["2d", "From above"],
+    ["2d", t("From above")],
     ["3d", "3D"],
-    ["section", "Sections"],
+    ["section", t("Sections")],
 ];
 
 function Zoom() {
     return (
-        <div class="zoom" role="group" aria-label="Zoom">
-            <button type="button" aria-label="Zoom out" onClick={() => zoom(0.8)}>
-                −
-            </button>
-            <button type="button" aria-label="Zoom in" onClick={() => zoom(1.25)}>
-                +
-            </button>
-            <button type="button" onClick={fit}>
-                Fit
-            </button>
+        <div class="zoom" role="group" aria-label={t("Zoom")}>
+            <Button words="−" aria-label={t("Zoom out")} onClick={() => zoom(0.8)} />
+            <Button words="+" aria-label={t("Zoom in")} onClick={() => zoom(1.25)} />
+            <Button words={t("Fit")} onClick={fit} />
         </div>
     );
 }
@@ -212,12 +160,12 @@ function LayerControls() {
     const { view, forces, trails } = plan.value;
     return (
         <div class="controls bar">
-            <Choice label="View" value={view} choices={VIEWS} onChange={(next) => change({ view: next })} />
+            <Choice label={t("View")} value={view} choices={VIEWS} onChange={(next) => change({ view: next })} />
             {view !== "3d" && (
                 <>
                     <Tools />
-                    <Check label="Forces" value={forces} onChange={(on) => change({ forces: on })} />
-                    <Check label="Trails" value={trails} onChange={(on) => change({ trails: on })} />
+                    <Check label={t("Forces")} value={forces} onChange={(on) => change({ forces: on })} />
+                    <Check label={t("Trails")} value={trails} onChange={(on) => change({ trails: on })} />
                     <MeasureButtons />
                 </>
             )}

@@ -2,6 +2,7 @@
 
 import { EXAMPLES, type Example } from "./examples";
 import { Keep } from "./kept";
+import { t } from "./language";
 import { NewRoom } from "./newroom";
 import { canUndo, crowdOf, scene } from "./plan";
 import { Scenes } from "./scenelist";
@@ -16,35 +17,39 @@ import { FileInput, openTrial } from "./upload";
 export function StartTab() {
     const { name } = scene.value;
     // Asked of the people that there are now.
-    const question = EXAMPLES.find((example) => example.name === name)?.question.replace(/\d+/, (number) => String(film.value?.scene.agents.length ?? number));
+    const example = EXAMPLES.find((one) => one.name === name);
     return (
-        <section class="panel" aria-label="Start">
-            <p class="note">People in dense crowds, as bodies that touch and press. Choose a question, move a slider, and watch; or draw your own room.</p>
+        <section class="panel" aria-label={t("Start")}>
+            <p class="note">{t("People in dense crowds, as bodies that touch and press. Choose a question, move a slider, and watch; or draw your own room.")}</p>
             <div class="row">
                 <TourButton />
                 <NewRoom />
             </div>
-            {question ? <h2>{question}</h2> : <h2 translate={false}>{name}</h2>}
+            <h2>{example ? asked(example, film.value?.scene.agents.length) : name}</h2>
             <Sliders />
             <Keep />
             <SweepForm />
-            <h2>Questions</h2>
+            <h2>{t("Questions")}</h2>
             {EXAMPLES.map((example) => (
                 <button key={example.name} type="button" class="card" aria-pressed={name === example.name && !canUndo.value} onClick={() => begin(example)}>
                     <Sketch base={example.made.base} />
-                    <strong>{example.name}</strong>
+                    <strong>{t(example.name)}</strong>
                     <span>
-                        {example.question} {example.sentence}
+                        {asked(example)} {example.sentence}
                     </span>
                 </button>
             ))}
             <Scenes />
-            <h2>Open your own Trial</h2>
-            <p class="note">A zip or a folder with Agents.xml, Geometry.xml, Materials.xml and AgentDynamics.xml; drop it anywhere on this page, or choose it here. It stays on this machine.</p>
-            <FileInput label="Open a zip or a scenario" accept=".zip,.toml,application/zip" onFiles={openTrial} />
-            <FileInput label="Open a folder" folder onFiles={openTrial} />
+            <h2>{t("Open your own Trial")}</h2>
+            <p class="note">{t("A zip or a folder with Agents.xml, Geometry.xml, Materials.xml and AgentDynamics.xml; drop it anywhere on this page, or choose it here. It stays on this machine.")}</p>
+            <FileInput label={t("Open a zip or a scenario")} accept=".zip,.toml,application/zip" onFiles={openTrial} />
+            <FileInput label={t("Open a folder")} folder onFiles={openTrial} />
         </section>
     );
+}
+
+function asked({ question, made: { base } }: Example, people = base.kind === "crowd" ? (base.number ?? 0) : 0) {
+    return question(people);
 }
 
 function begin({ name, made }: Example) {

@@ -1,5 +1,7 @@
 // Keeps files that the user has opened, in the browser's database: a reload brings them back. They never leave it.
 
+import { t } from "./language";
+
 const NAME = "lemons-lab";
 /** So many of the latest are kept besides those that are in use; a file has at most 50 MB. */
 const MOST = 5;
@@ -18,7 +20,7 @@ export const brief = new Set<string>();
 function finished<T>(request: IDBRequest<T>): Promise<T> {
     return new Promise((done, failed) => {
         request.onsuccess = () => done(request.result);
-        request.onerror = () => failed(request.error ?? new Error("the browser's database failed"));
+        request.onerror = () => failed(request.error ?? new Error(t("the browser's database failed")));
     });
 }
 
@@ -26,7 +28,7 @@ function finished<T>(request: IDBRequest<T>): Promise<T> {
 function committed(transaction: IDBTransaction): Promise<void> {
     return new Promise((done, failed) => {
         transaction.addEventListener("complete", () => done());
-        transaction.addEventListener("abort", () => failed(transaction.error ?? new Error("the browser's database failed")));
+        transaction.addEventListener("abort", () => failed(transaction.error ?? new Error(t("the browser's database failed"))));
     });
 }
 

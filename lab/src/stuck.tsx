@@ -1,8 +1,10 @@
 // People who do not get on: they want to go on, but stay where they are.
 
 import { signal } from "@preact/signals";
+import { circle } from "./draw";
 import type { Film } from "./film";
-import { brief } from "./parts";
+import { count, t } from "./language";
+import { brief, Button } from "./parts";
 import { COLUMNS, GOES, isThere } from "./protocol";
 
 /** Who has not moved by so many metres in so many seconds is stuck. Blocked people mill about: half a breadth of shoulders. */
@@ -42,8 +44,7 @@ export function paintStuck(context: CanvasRenderingContext2D, film: Film, frame:
     context.lineWidth = 3 * pixel;
     for (const a of stuckIn(film, film.shown.value)) {
         if (!isThere(frame, a)) continue;
-        context.beginPath();
-        context.arc(frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!, 0.38, 0, 2 * Math.PI);
+        circle(context, [frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!], 0.38);
         context.stroke();
     }
 }
@@ -55,14 +56,12 @@ export function Stuck({ film, k }: { film: Film; k: number }) {
     const ids = found.slice(0, MOST).map((a) => brief(film.scene.agents[a]!.id));
     return (
         <div class="warning">
-            <p>{`${found.length} ${found.length === 1 ? "person wants" : "people want"} to get on, but moved by less than ${100 * FAR} cm in the last ${LONG} s.`}</p>
-            <p translate={false}>
+            <p>{`${count(found.length, "{n} person wants to get on", "{n} people want to get on")}${t(", but moved by less than {far} cm in the last {long} s.", { far: 100 * FAR, long: LONG })}`}</p>
+            <p>
                 {ids.join(", ")}
                 {found.length > MOST && " …"}
             </p>
-            <button type="button" aria-pressed={marked.value} onClick={() => (marked.value = !marked.value)}>
-                Mark them on the picture
-            </button>
+            <Button words={t("Mark them on the picture")} aria-pressed={marked.value} onClick={() => (marked.value = !marked.value)} />
         </div>
     );
 }

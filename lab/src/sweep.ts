@@ -6,6 +6,7 @@ import { table } from "./csv";
 import { meanFlow } from "./flow";
 import { ofAllPairs } from "./forms";
 import { Frames } from "./frames";
+import { engineText, type Plain, t } from "./language";
 import { beyond } from "./places";
 import { type Made, plan, scene } from "./plan";
 import type { Advanced, Edit, Motion, Opened } from "./protocol";
@@ -25,7 +26,7 @@ export const MEASURES = {
     "greatest_mean_of_0.1_s": ["Greatest squeeze, mean of 0.1 s", "N"],
     mean_squeeze: ["Mean squeeze", "N"],
     deepest_overlap: ["Deepest overlap", "mm"],
-} as const;
+} as const satisfies Record<string, [Plain, string]>;
 export type Measure = keyof typeof MEASURES;
 
 export interface Run {
@@ -80,9 +81,9 @@ function variant(made: Made, parameter: Parameter, value: number, k: number): { 
 
 /** What a change by hand is called. */
 function called(edit: Edit): string {
-    if (edit.do === "room") return "walls";
-    const verb = { move: "moved", copy: "copied", put: "put in", delete: "deleted" }[edit.do];
-    return `person "${edit.id}" ${verb}`;
+    if (edit.do === "room") return t("walls");
+    const { id } = edit;
+    return { move: t('person "{id}" moved', { id }), copy: t('person "{id}" copied', { id }), put: t('person "{id}" put in', { id }), delete: t('person "{id}" deleted', { id }) }[edit.do];
 }
 
 /** `from`: the scene that is swept. */
@@ -124,7 +125,7 @@ async function run(client: Client, from: Made, made: Made, doors: unknown[], unt
     const squeezes = frames.curve("squeeze").subarray(1, all ? -1 : undefined);
     return {
         made: { ...made, edits, motion },
-        leftOut: [...out].map(([k, why]) => `${called(made.edits[k]!)}: ${why}`),
+        leftOut: [...out].map(([k, why]) => `${called(made.edits[k]!)}: ${engineText(why)}`),
         measures: {
             all_left: all ? (count.length - 1) * step : NaN,
             left: total,
@@ -161,7 +162,7 @@ export function begin(parameter: Parameter, values: number[], seeds: number, unt
                     sweep.value = { ...sweep.value!, runs };
                 } catch (error) {
                     if (clients !== mine || (error instanceof Stopped && error.message === "stopped")) return;
-                    sweep.value = { ...sweep.value!, failed: [...sweep.value!.failed, `${value}, seed ${seed}: ${(error as Error).message}`] };
+                    sweep.value = { ...sweep.value!, failed: [...sweep.value!.failed, t("{value}, seed {seed}: {message}", { value, seed, message: (error as Error).message })] };
                 }
             }
             client.close("done");

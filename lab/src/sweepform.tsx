@@ -3,7 +3,8 @@
 import { batch } from "@preact/signals";
 import { saveTable } from "./csv";
 import { MOST } from "./forms";
-import { Choice, digits, NumberField } from "./parts";
+import { t } from "./language";
+import { Button, Choice, digits, NumberField } from "./parts";
 import { change, crowdOf, type Made, type Plan, plan } from "./plan";
 import { open } from "./scenes";
 import { film } from "./session";
@@ -39,16 +40,16 @@ export function SweepForm() {
     const { base, edits } = made;
     return (
         <details>
-            <summary>A sweep: many values, many seeds</summary>
+            <summary>{t("A sweep: many values, many seeds")}</summary>
             <div class="panel">
                 <Choice
-                    label="Parameter"
+                    label={t("Parameter")}
                     value={parameter.label}
-                    choices={found.map(({ label, unit }) => [label, unit ? `${label} [${unit}]` : label] as const)}
+                    choices={found.map(({ label, unit }) => [label, named(t(label), unit)] as const)}
                     onChange={(label) => set({ parameter: label, values: null })}
                 />
                 <label class="field">
-                    <span>Values{parameter.unit && ` [${parameter.unit}]`}, with commas between</span>
+                    <span>{t("{values}, with commas between", { values: named(t("Values"), parameter.unit) })}</span>
                     <input type="text" value={text} aria-invalid={wrong !== ""} maxLength={MOST.list} onInput={(event) => set({ parameter: parameter.label, values: event.currentTarget.value })} />
                 </label>
                 {wrong && (
@@ -56,19 +57,15 @@ export function SweepForm() {
                         {wrong}
                     </p>
                 )}
-                <NumberField label="Seeds for each value" value={seeds} min={1} max={MOST.seeds} step={1} onChange={(count) => set({ seeds: count })} />
-                <NumberField label="Until all have left, at most" unit="s" value={until} min={0.1} max={1e5} step={5} onChange={(seconds) => set({ until: seconds })} />
+                <NumberField label={t("Seeds for each value")} value={seeds} min={1} max={MOST.seeds} step={1} onChange={(count) => set({ seeds: count })} />
+                <NumberField label={t("Until all have left, at most")} unit="s" value={until} min={0.1} max={1e5} step={5} onChange={(seconds) => set({ until: seconds })} />
                 <p class="note">{seedWords(made, seeds)}</p>
-                <p class="note">Each seed has other people at other places. Runs are computed beside what you see.</p>
-                {base.kind === "crowd" && edits.length > 0 && <p class="note">Changes by hand stay where they fit: of people with these Ids, to places where they overlap nobody.</p>}
+                <p class="note">{t("Each seed has other people at other places. Runs are computed beside what you see.")}</p>
+                {base.kind === "crowd" && edits.length > 0 && <p class="note">{t("Changes by hand stay where they fit: of people with these Ids, to places where they overlap nobody.")}</p>}
                 <div class="buttons act">
-                    <button type="button" class="main" disabled={wrong !== ""} onClick={start}>
-                        Begin the sweep
-                    </button>
+                    <Button words={t("Begin the sweep")} class="main" disabled={wrong !== ""} onClick={start} />
                     {running && (
-                        <button type="button" onClick={stop}>
-                            Stop the sweep
-                        </button>
+                        <Button words={t("Stop the sweep")} onClick={stop} />
                     )}
                 </div>
                 {now && <Results of={now} running={running} />}
@@ -77,13 +74,19 @@ export function SweepForm() {
     );
 }
 
+const named = (name: string, unit: string) => (unit ? `${name} [${unit}]` : name);
+const unitWords = (unit: string) => (unit === "people" ? t("people") : unit);
+
 /** The seeds that the runs of each value have. */
-function seedWords({ base, motion }: Made, count: number): string {
+function seedWords({ base, motion }: Made, runs: number): string {
     const walking = walkingSeed(motion);
-    const from = (first: number) => (count === 1 ? `the seed ${first}` : `the seeds ${first} to ${first + count - 1}`);
-    const all = [base.kind === "crowd" && `the crowd has ${from(base.seed)}`, walking !== null && `walking has ${from(walking)}`].filter((words) => words !== false);
-    if (all.length === 0) return "Nothing is drawn by chance in this scene: all runs of a value are the same.";
-    return `In the runs of each value, ${all.join("; ")}${all.length === 2 && count > 1 ? "; each run has the next one of both" : ""}.`;
+    const of = (seed: number) => ({ from: seed, to: seed + runs - 1 });
+    const all: string[] = [];
+    if (base.kind === "crowd") all.push(runs === 1 ? t("the crowd has the seed {seed}", { seed: base.seed }) : t("the crowd has the seeds {from} to {to}", of(base.seed)));
+    if (walking !== null) all.push(runs === 1 ? t("walking has the seed {seed}", { seed: walking }) : t("walking has the seeds {from} to {to}", of(walking)));
+    if (all.length === 0) return t("Nothing is drawn by chance in this scene: all runs of a value are the same.");
+    if (all.length === 2 && runs > 1) all.push(t("each run has the next one of both"));
+    return t("In the runs of each value, {seeds}.", { seeds: all.join("; ") });
 }
 
 /** Some values around the present one. */
@@ -97,9 +100,10 @@ function parsed(text: string, { range: [min, max, step] }: Parameter, seeds: num
     const parts = text.split(/[,;\s]+/).filter((part) => part !== "");
     const values = [...new Set(parts.map(Number))].sort((one, other) => one - other);
     const bad = parts.find((part) => !(Number(part) >= min && Number(part) <= max) || (step === 1 && !Number.isInteger(Number(part))));
-    if (bad !== undefined) return [values, `${bad.slice(0, 20)}: ${step === 1 ? "whole numbers, " : ""}${min} to ${max}`];
-    if (values.length === 0) return [values, "At least one value"];
-    if (values.length * seeds > MOST_RUNS) return [values, `${values.length * seeds} runs: at most ${MOST_RUNS}`];
+    const wrong = { name: bad?.slice(0, 20) ?? "", min, max };
+    if (bad !== undefined) return [values, step === 1 ? t("{name}: whole numbers, {min} to {max}", wrong) : t("{name}: {min} to {max}", wrong)];
+    if (values.length === 0) return [values, t("At least one value")];
+    if (values.length * seeds > MOST_RUNS) return [values, t("{n} runs: at most {most}", { n: values.length * seeds, most: MOST_RUNS })];
     return [values, ""];
 }
 
@@ -112,7 +116,7 @@ function Results({ of, running }: { of: Sweep; running: boolean }) {
     const show = ({ value, seed, made }: Run) =>
         batch(() => {
             const { sweep, drawn } = plan.value;
-            open(`${of.scene}, ${parameter.label} ${value}, seed ${seed}`, made, true, crowdOf(made.base) ?? undefined);
+            open(t("{scene}, {label} {value}, seed {seed}", { scene: of.scene, label: t(parameter.label), value, seed }), made, true, crowdOf(made.base) ?? undefined);
             change({ sweep, drawn });
         });
     const give = (what: string, content: string) => {
@@ -121,25 +125,22 @@ function Results({ of, running }: { of: Sweep; running: boolean }) {
         saveTable(`${scene}-sweep-${parameter.label.toLowerCase().replaceAll(" ", "-")}-${what}-${until}s.csv`, content, { scene, parameter: parameter.label, unit: parameter.unit, values, runs: runs.length, wanted, stopped, longest_time_s: until, made });
     };
     return (
-        <section aria-label="Results of the sweep">
+        <section aria-label={t("Results of the sweep")}>
             <p role="status" class="note">
-                {`"${of.scene}": ${runs.length} of ${wanted} runs until ${of.until} s${of.stopped ? ", stopped" : ""}.`}
+                {t('"{scene}": {n} of {wanted} runs until {until} s', { scene: of.scene, n: runs.length, wanted, until: of.until })}
+                {of.stopped && t(", stopped")}.
             </p>
-            {running && <progress aria-label="Sweep" max={wanted} value={runs.length + failed.length} />}
-            {failed.length > 0 && <p class="warning">{failed.slice(0, 3).join("; ")}{failed.length > 3 && `; and ${failed.length - 3} more`}</p>}
+            {running && <progress aria-label={t("Sweep")} max={wanted} value={runs.length + failed.length} />}
+            {failed.length > 0 && <p class="warning">{failed.slice(0, 3).join("; ")}{failed.length > 3 && t("; and {n} more", { n: failed.length - 3 })}</p>}
             <LeftOut of={of} />
             {runs.length > 0 && (
                 <>
-                    <Choice label="Measure" value={measure} choices={Object.entries(MEASURES).map(([key, [words, unit]]) => [key as Measure, `${words} [${unit}]`] as const)} onChange={(next) => set({ measure: next })} />
-                    <Chart found={found} measure={measure} words={`${label}: ${parameter.label}`} onShow={show} />
+                    <Choice label={t("Measure")} value={measure} choices={Object.entries(MEASURES).map(([key, [words, unit]]) => [key as Measure, named(t(words), unitWords(unit))] as const)} onChange={(next) => set({ measure: next })} />
+                    <Chart found={found} measure={measure} words={`${t(label)}: ${t(parameter.label)}`} onShow={show} />
                     <SweepTable of={of} measure={measure} onShow={show} />
                     <div class="buttons">
-                        <button type="button" onClick={() => give("runs", runsCsv(of))}>
-                            Runs of the sweep (CSV)
-                        </button>
-                        <button type="button" onClick={() => give("quantiles", quantilesCsv(of))}>
-                            Quantiles of the sweep (CSV)
-                        </button>
+                        <Button words={t("Runs of the sweep (CSV)")} onClick={() => give("runs", runsCsv(of))} />
+                        <Button words={t("Quantiles of the sweep (CSV)")} onClick={() => give("quantiles", quantilesCsv(of))} />
                     </div>
                 </>
             )}
@@ -153,10 +154,10 @@ function LeftOut({ of: { parameter, runs } }: { of: Sweep }) {
     if (some.length === 0) return null;
     return (
         <details>
-            <summary>{`Not all changes by hand fit in ${some.length} of ${runs.length} runs`}</summary>
+            <summary>{t("Not all changes by hand fit in {n} of {n2} runs", { n: some.length, n2: runs.length })}</summary>
             <ul class="notes">
                 {some.slice(0, MOST_LISTED).map(({ value, seed, leftOut }) => (
-                    <li key={`${value} ${seed}`}>{`${parameter.label}: ${value}, seed ${seed}: ${leftOut.join("; ")}`}</li>
+                    <li key={`${value} ${seed}`}>{t("{label}: {value}, seed {seed}: {leftOut}", { label: parameter.label, value, seed, leftOut: leftOut.join("; ") })}</li>
                 ))}
                 {some.length > MOST_LISTED && <li>…</li>}
             </ul>
@@ -174,17 +175,15 @@ export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measur
         <>
             {stayed > 0 && (
                 <p class="note">
-                    <strong>{`In ${stayed} of ${of.runs.length} runs not all had left after ${of.until} s.`}</strong>
+                    <strong>{t("In {stayed} of {n} runs not all had left after {until} s.", { stayed, n: of.runs.length, until: of.until })}</strong>
                 </p>
             )}
             <table class="sweep">
-                <caption>
-                    {words} [{unitOf}]: quantiles of the runs
-                </caption>
+                <caption>{t("{measure}: quantiles of the runs", { measure: named(t(words), unitWords(unitOf)) })}</caption>
                 <thead>
                     <tr>
-                        <th scope="col">{unit ? `${label} [${unit}]` : label}</th>
-                        <th scope="col">runs</th>
+                        <th scope="col">{named(t(label), unit)}</th>
+                        <th scope="col">{t("runs")}</th>
                         {QUANTILES.map((share) => (
                             <th key={share} scope="col">
                                 {100 * share} %
@@ -199,14 +198,12 @@ export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measur
                             <tr key={value}>
                                 <th scope="row">
                                     {onShow ? (
-                                        <button type="button" title="Shows its first run on the stage" onClick={() => onShow(runs[0]!)}>
-                                            {value}
-                                        </button>
+                                        <Button words={value} title={t("Shows its first run on the stage")} onClick={() => onShow(runs[0]!)} />
                                     ) : (
                                         value
                                     )}
                                 </th>
-                                <td>{numbers.length === runs.length ? runs.length : `${numbers.length} of ${runs.length}`}</td>
+                                <td>{numbers.length === runs.length ? runs.length : t("{n} of {n2}", { n: numbers.length, n2: runs.length })}</td>
                                 {quantiles(row, measure).map((number, k) => (
                                     <td key={k}>{shown(number)}</td>
                                 ))}
@@ -224,7 +221,7 @@ const [WIDE, HIGH, LEFT, LOW] = [260, 150, 40, 20];
 /** Each run as a point, the line of the medians, and the band between the outer quantiles. */
 function Chart({ found, measure, words, onShow }: { found: Row[]; measure: Measure; words: string; onShow(run: Run): void }) {
     const all = found.flatMap(({ numbers }) => numbers);
-    if (all.length === 0) return <p class="note">No run has this measure.</p>;
+    if (all.length === 0) return <p class="note">{t("No run has this measure.")}</p>;
     const most = Math.max(...all) * 1.05 || 1;
     const [first, last] = [found[0]!.value, found.at(-1)!.value];
     const x = (value: number) => (last > first ? LEFT + 12 + ((WIDE - LEFT - 24) * (value - first)) / (last - first) : (WIDE + LEFT) / 2);
@@ -251,7 +248,7 @@ function Chart({ found, measure, words, onShow }: { found: Row[]; measure: Measu
                     {runs.map((run) =>
                         Number.isNaN(run.measures[measure]) ? null : (
                             <circle key={run.seed} cx={x(value)} cy={y(run.measures[measure])} r={3.5} onClick={() => onShow(run)}>
-                                <title>{`seed ${run.seed}: ${digits(run.measures[measure], 4)}`}</title>
+                                <title>{t("seed {seed}: {value}", { seed: run.seed, value: digits(run.measures[measure], 4) })}</title>
                             </circle>
                         ),
                     )}

@@ -4,25 +4,19 @@ import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import "./take.css";
-import { type Client, Stopped } from "./client";
+import { Stopped } from "./client";
 import { scaleOf, values } from "./colour";
 import type { Film } from "./film";
+import { count, rich, t } from "./language";
+import { canvas } from "./layout";
 import { Movie, whyNoMovie } from "./movie";
 import { curvesCsv, leavingCsv, origin, perExit, saveOfRun, saveTable } from "./csv";
-import { attribute, copy, digits, named, NumberField, save } from "./parts";
+import { attribute, Button, copy, digits, named, NumberField, save } from "./parts";
 import { compose, png } from "./picture";
 import { link, onlyHere, plan, scene as kept } from "./plan";
 import type { FileRequest, NamedFile } from "./protocol";
 import { makeReport } from "./report";
-import { attempt, selected } from "./session";
-
-interface TakeProps {
-    film: Film;
-    client: Client;
-    /** What the stage shows now. */
-    canvas(): HTMLCanvasElement | null;
-    said(words: string): void;
-}
+import { client, said, selected } from "./session";
 
 function joined(parts: Uint8Array[]): Uint8Array {
     const all = new Uint8Array(parts.reduce((sum, part) => sum + part.length, 0));
@@ -37,12 +31,12 @@ function joined(parts: Uint8Array[]): Uint8Array {
 /** The libraries that this lab packs into FMUs, and their licences. */
 async function libraries(): Promise<[string, Uint8Array][]> {
     const list = await fetch("binaries.json");
-    if (!list.ok) throw new Error("this lab was built without libraries for FMUs (lab/build.sh says how)");
+    if (!list.ok) throw new Error(t("this lab was built without libraries for FMUs (lab/build.sh says how)"));
     const names = (await list.json()) as Record<string, string>;
     return Promise.all(
         Object.entries(names).map(async ([platform, file]): Promise<[string, Uint8Array]> => {
             const library = await fetch(file);
-            if (!library.ok) throw new Error(`the library for ${platform} is missing here`);
+            if (!library.ok) throw new Error(t("the library for {platform} is missing here", { platform }));
             return [platform, new Uint8Array(await library.arrayBuffer())];
         }),
     );
@@ -52,7 +46,7 @@ function bytesOf(numbers: Float64Array) {
     return new Uint8Array(numbers.slice().buffer);
 }
 
-export function TakeTab({ film, client, canvas, said }: TakeProps) {
+export function TakeTab({ film }: { film: Film }) {
     const busy = useSignal(false);
     /** The share of the movie that is recorded. */
     const recorded = useSignal<number | null>(null);
@@ -73,12 +67,12 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
     const shown = () => film.frames.copy(film.shown.peek(), film.shown.peek() + 1);
 
     /** What the lab makes and takes long, the page shows and stops (busy.tsx). */
-    const making = async (what: string, make: () => Promise<string | null>) => {
+    const making = async (what: string, make: () => Promise<string | null | void>) => {
         problem.value = "";
         busy.value = true;
         try {
             const name = await make();
-            said(name ? `"${name}" is made.` : "Stopped.");
+            if (name !== undefined) said.value = name ? t('"{name}" is made.', { name }) : t("Stopped.");
         } catch (error) {
             if (!(error instanceof Stopped)) problem.value = `${what}: ${(error as Error).message}`;
         } finally {
@@ -86,64 +80,54 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
         }
     };
     /** A file that the lab makes. */
-    const take = (what: string, wanted: FileRequest, bytes?: () => Uint8Array, of = (name: string) => name) =>
-        making(what, async () => {
-            const answer = await client.ask<NamedFile>({ ask: "take", run, wanted }, bytes?.());
-            return save(of(answer.value.name), answer.bytes);
-        });
+    const take = async (wanted: FileRequest, bytes?: Uint8Array, of = (name: string) => name) => {
+        const answer = await client.ask<NamedFile>({ ask: "take", run, wanted }, bytes);
+        return save(of(answer.value.name), answer.bytes);
+    };
 
-    const fmu = (version: 2 | 3) =>
-        making(`FMU, FMI ${version}.0`, async () => {
-            const files = await libraries();
-            const binaries = files.map(([platform, content]) => [platform, content.length] as [string, number]);
-            const wanted: FileRequest = { file: "fmu", version, binaries };
-            const answer = await client.ask<NamedFile>({ ask: "take", run, wanted }, joined(files.map(([, content]) => content)));
-            return save(answer.value.name.replace(/\.fmu$/, `-fmi${version}.fmu`), answer.bytes);
-        });
+    const fmu = async (version: 2 | 3) => {
+        const files = await libraries();
+        const binaries = files.map(([platform, content]) => [platform, content.length] as [string, number]);
+        return take({ file: "fmu", version, binaries }, joined(files.map(([, content]) => content)), (name) => name.replace(/\.fmu$/, `-fmi${version}.fmu`));
+    };
     const svg = () => {
         const { low, high, largest, label, unit, kinds } = scaleOf(film, plan.value.colour);
         const k = film.shown.peek();
         const wanted: FileRequest = { file: "svg", range: [low, high], beyond: largest > high, from_grey: plan.value.colour === "squeeze", label, unit, time: k * scene.step, forces: plan.value.forces, by_kind: kinds !== undefined };
-        return take("Picture (SVG)", wanted, () => joined([shown(), bytesOf(values(film, k, plan.value.colour))]), timed);
+        return take(wanted, joined([shown(), bytesOf(values(film, k, plan.value.colour))]), timed);
     };
-    const picture = () =>
-        making("Picture (PNG)", async () => {
-            const from = canvas();
-            if (!from) throw new Error("the stage shows no picture");
-            return save(timed(`${scene.name}.png`), await png((onto) => compose(onto, from, film)));
-        });
-    const record = () =>
-        making("Movie (WebM)", async () => {
-            const made = new Movie(film, canvas, plan.value.pace, (share) => (recorded.value = share));
-            movie.current = made;
-            recorded.value = 0;
-            const blob = await made.record().finally(() => (recorded.value = null));
-            if (!blob) return null;
-            return save(`${scene.name}.webm`, blob);
-        });
+    const picture = async () => {
+        const from = canvas.value;
+        if (!from) throw new Error(t("the stage shows no picture"));
+        return save(timed(`${scene.name}.png`), await png((onto) => compose(onto, from, film)));
+    };
+    const record = async () => {
+        const made = new Movie(film, plan.value.pace, (share) => (recorded.value = share));
+        movie.current = made;
+        recorded.value = 0;
+        const blob = await made.record().finally(() => (recorded.value = null));
+        return blob && save(`${scene.name}.webm`, blob);
+    };
     /** A table that the lab makes. */
-    const table = (what: string, wanted: FileRequest, end: number, of = (name: string) => name) =>
-        making(what, async () => {
-            const settings = origin(film, 0, end);
-            const answer = await client.ask<NamedFile>({ ask: "take", run, wanted }, undefined);
-            return saveTable(of(answer.value.name), answer.bytes, settings);
-        });
+    const table = async (wanted: FileRequest, end: number, of = (name: string) => name) => {
+        const settings = origin(film, 0, end);
+        const answer = await client.ask<NamedFile>({ ask: "take", run, wanted }, undefined);
+        return saveTable(of(answer.value.name), answer.bytes, settings);
+    };
     const chosen = selected.value === null ? undefined : scene.agents[selected.value]?.id;
     const ofChosen = chosen === undefined ? "" : `-person-${chosen.slice(0, 24)}`;
-    const size = (each: number) => `${Math.ceil(each * scene.agents.length)} MB`;
-    const leaves = perExit(film).map(({ name, count, flow }) => `${named(name)}: ${count} ${count === 1 ? "person" : "people"}${flow === null ? "" : `, ${digits(flow, 3)} per second`}`);
+    const size = (each: number) => Math.ceil(each * scene.agents.length);
+    const leaves = perExit(film).map(({ name, people, flow }) => `${named(name)}: ${count(people, "{n} person", "{n} people")}${flow === null ? "" : t(", {flow} per second", { flow: digits(flow, 3) })}`);
     const end = until.value ?? film.reached.value * scene.step;
     const steps = Math.max(1, Math.round(end / scene.step));
     const last = Number((steps * scene.step).toPrecision(12));
-    const trajectories = () => table("Trajectories (CSV)", { file: "trajectories", steps }, last, (name) => name.replace(/\.csv$/, `-0-${last}s.csv`));
+    const trajectories = () => table({ file: "trajectories", steps }, last, (name) => name.replace(/\.csv$/, `-0-${last}s.csv`));
 
     const noMovie = whyNoMovie();
     const seconds = (film.reached.value * scene.step) / plan.value.pace;
-    const item = (name: string, make: () => Promise<void>, words: ComponentChildren, not = "", field: ComponentChildren = null) => (
+    const item = (name: string, make: () => Promise<string | null | void>, words: ComponentChildren, not = "", field: ComponentChildren = null) => (
         <li>
-            <button type="button" disabled={busy.value || not !== ""} onClick={() => void make()}>
-                {name}
-            </button>
+            <Button words={name} disabled={busy.value || not !== ""} onClick={() => void making(name, make)} />
             <p class="note">
                 {words} {not && <strong>{not}</strong>}
             </p>
@@ -151,14 +135,12 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
         </li>
     );
     return (
-        <section class="panel take" aria-label="Take away">
+        <section class="panel take" aria-label={t("Take away")}>
             {recorded.value !== null && (
                 <div class="work">
-                    <p role="status">The movie is recorded …</p>
-                    <progress aria-label="Movie" value={recorded.value} />
-                    <button type="button" onClick={() => movie.current?.stop()}>
-                        Stop
-                    </button>
+                    <p role="status">{t("The movie is recorded …")}</p>
+                    <progress aria-label={t("Movie")} value={recorded.value} />
+                    <Button words={t("Stop")} onClick={() => movie.current?.stop()} />
                 </div>
             )}
             {problem.value && (
@@ -166,113 +148,99 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                     {problem.value}
                 </p>
             )}
-            <h2>To compute with</h2>
+            <h2>{t("To compute with")}</h2>
             <ul>
                 {item(
-                    "Trial (zip)",
-                    () => take("Trial (zip)", { file: "trial" }),
-                    decided ? (
-                        <>
-                            The XML files and <code>decision.toml</code>, which says where people walk. <code>lemons run</code> computes the same numbers from it. <code>lemons decide</code> makes the FMU that decides from this Trial, and <code>lemons connect</code> couples both; this page
-                            opens it again.
-                        </>
-                    ) : (
-                        <>
-                            The XML files and what drives people. <code>lemons run</code> computes the same numbers from it; this page opens it again.
-                        </>
-                    ),
+                    t("Trial (zip)"),
+                    () => take({ file: "trial" }),
+                    decided
+                        ? rich("The XML files and {plan}, which says where people walk. {run} computes the same numbers from it. {decide} makes the FMU that decides from this Trial, and {connect} couples both; this page opens it again.", {
+                              plan: <code>decision.toml</code>,
+                              run: <code>lemons run</code>,
+                              decide: <code>lemons decide</code>,
+                              connect: <code>lemons connect</code>,
+                          })
+                        : rich("The XML files and what drives people. {run} computes the same numbers from it; this page opens it again.", { run: <code>lemons run</code> }),
                 )}
                 {item(
                     "FMU, FMI 2.0",
                     () => fmu(2),
-                    `For simulation programs that read FMI 2.0: FMPy, OpenModelica, Simulink and others.${decided ? " It holds the crowd only, not who decides." : ""}`,
+                    `${t("For simulation programs that read FMI 2.0: FMPy, OpenModelica, Simulink and others.")} ${decided ? t("It holds the crowd only, not who decides.") : ""}`,
                 )}
-                {item("FMU, FMI 3.0", () => fmu(3), "The same for programs that read FMI 3.0: all people in a few array variables.")}
+                {item("FMU, FMI 3.0", () => fmu(3), t("The same for programs that read FMI 3.0: all people in a few array variables."))}
             </ul>
-            <h2>To look at</h2>
+            <h2>{t("To look at")}</h2>
             <ul>
                 {item(
-                    "Copy code to embed",
-                    () =>
-                        attempt(async () => {
-                            await copy(`<iframe src="${attribute(link("?embed"))}" title="${attribute(kept.peek().name)}" width="800" height="600" allow="fullscreen"></iframe>`);
-                            said(["The code is copied.", onlyHere].filter(Boolean).join(" "));
-                        }),
+                    t("Copy code to embed"),
+                    async () => {
+                        await copy(`<iframe src="${attribute(link("?embed"))}" title="${attribute(kept.peek().name)}" width="800" height="600" allow="fullscreen"></iframe>`);
+                        said.value = [t("The code is copied."), onlyHere].filter(Boolean).join(" ");
+                    },
                     <>
-                        An element of HTML that shows the stage, alone and alive, in a page of yours. It holds the scene, but no files. <strong>{onlyHere}</strong>
+                        {t("An element of HTML that shows the stage, alone and alive, in a page of yours. It holds the scene, but no files.")} <strong>{onlyHere}</strong>
                     </>,
                 )}
-                {item("Report to print", async () => attempt(() => makeReport(film)), "A picture of the moment of the greatest squeeze, what the scene assumes, its numbers up to the last frame that was shown, and what they do not say. The browser prints it, also as PDF.")}
-                {item("Picture (SVG)", svg, "The frame that is shown, as lines and shapes: for papers, and for Inkscape. It shows people from above.")}
-                {item("Picture (PNG)", picture, "What the stage shows now, as pixels: for slides and messages.")}
+                {item(t("Report to print"), () => makeReport(film), t("A picture of the moment of the greatest squeeze, what the scene assumes, its numbers up to the last frame that was shown, and what they do not say. The browser prints it, also as PDF."))}
+                {item(t("Picture (SVG)"), svg, t("The frame that is shown, as lines and shapes: for papers, and for Inkscape. It shows people from above."))}
+                {item(t("Picture (PNG)"), picture, t("What the stage shows now, as pixels: for slides and messages."))}
                 {item(
-                    "Movie (WebM)",
+                    t("Movie (WebM)"),
                     record,
                     film.reached.value < 1
-                        ? "All frames up to the last one that was shown, as the stage shows them. Play the run first."
-                        : `All frames up to the last one that was shown or asked for, as the stage shows them: ${digits(seconds, 2)} s at the pace ${plan.value.pace} ×. ` +
-                              "It takes as long as it lasts. Browsers, VLC and ffmpeg read it.",
+                        ? t("All frames up to the last one that was shown, as the stage shows them. Play the run first.")
+                        : t("All frames up to the last one that was shown or asked for, as the stage shows them: {seconds} s at the pace {pace} ×. It takes as long as it lasts. Browsers, VLC and ffmpeg read it.", { seconds: digits(seconds, 2), pace: plan.value.pace }),
                     film.reached.value < 1 ? "" : noMovie,
                 )}
             </ul>
-            <h2>Bodies</h2>
+            <h2>{t("Bodies")}</h2>
             <ul>
                 {item(
-                    "Bodies (OBJ)",
-                    () => take("Bodies (OBJ)", { file: "mesh", format: "obj" }, shown, timed),
-                    `Everybody's body in the frame that is shown, each part with a name: Blender and MeshLab read it. About ${size(0.45)}.`,
+                    t("Bodies (OBJ)"),
+                    () => take({ file: "mesh", format: "obj" }, shown(), timed),
+                    t("Everybody's body in the frame that is shown, each part with a name: Blender and MeshLab read it. About {size} MB.", { size: size(0.45) }),
                 )}
                 {item(
-                    "Bodies (STL)",
-                    () => take("Bodies (STL)", { file: "mesh", format: "stl" }, shown, timed),
-                    `The same as bare triangles: for printing and for CAD. About ${size(0.68)}.`,
+                    t("Bodies (STL)"),
+                    () => take({ file: "mesh", format: "stl" }, shown(), timed),
+                    t("The same as bare triangles: for printing and for CAD. About {size} MB.", { size: size(0.68) }),
                 )}
             </ul>
-            <h2>Tables</h2>
+            <h2>{t("Tables")}</h2>
             <ul>
                 {item(
-                    "Trajectories (CSV)",
+                    t("Trajectories (CSV)"),
                     trajectories,
-                    decided ? (
-                        <>
-                            The run, in which people walk, computed again from the start, as a table of the form that <code>lemons run</code> writes. R, pandas and spreadsheets read it.
-                        </>
-                    ) : (
-                        <>
-                            The table that <code>lemons run</code> writes from the Trial, to the last bit, computed again from the start. R, pandas and spreadsheets read it.
-                        </>
-                    ),
+                    decided
+                        ? rich("The run, in which people walk, computed again from the start, as a table of the form that {run} writes. R, pandas and spreadsheets read it.", { run: <code>lemons run</code> })
+                        : rich("The table that {run} writes from the Trial, to the last bit, computed again from the start. R, pandas and spreadsheets read it.", { run: <code>lemons run</code> }),
                     "",
                     <NumberField
-                        label="Until"
+                        label={t("Until")}
                         unit="s"
                         value={last}
                         min={scene.step}
                         max={Number((1e6 * scene.step).toPrecision(12))}
                         step={scene.step}
-                        onChange={(value) => {
-                            until.value = value;
-                        }}
+                        onChange={(value) => (until.value = value)}
                     />,
                 )}
                 {item(
-                    "Curves (CSV)",
-                    () => making("Curves (CSV)", async () => saveOfRun(film, `curves${ofChosen}`, curvesCsv(film, selected.value), { person: chosen, squeeze_is_a_mean_over_s: plan.value.smooth })),
-                    "What the charts show, for each communication step up to the last one that was shown or asked for: mean speed, squeeze, contacts, how many have left; of the selected person, too.",
+                    t("Curves (CSV)"),
+                    async () => saveOfRun(film, `curves${ofChosen}`, curvesCsv(film, selected.value), { person: chosen, squeeze_is_a_mean_over_s: plan.value.smooth }),
+                    t("What the charts show, for each communication step up to the last one that was shown or asked for: mean speed, squeeze, contacts, how many have left; of the selected person, too."),
                 )}
                 {item(
-                    "Who left when (CSV)",
-                    () => making("Who left when (CSV)", async () => saveOfRun(film, "leaving", leavingCsv(film))),
-                    leaves.length > 0 ? `Up to the last frame that was shown or asked for: ${leaves.join("; ")}.` : "When each person left, and by which exit.",
-                    scene.leaving === 0 ? "Nobody leaves in this scene." : "",
+                    t("Who left when (CSV)"),
+                    async () => saveOfRun(film, "leaving", leavingCsv(film)),
+                    leaves.length > 0 ? t("Up to the last frame that was shown or asked for: {leaves}.", { leaves: leaves.join("; ") }) : t("When each person left, and by which exit."),
+                    scene.leaving === 0 ? t("Nobody leaves in this scene.") : "",
                 )}
                 {item(
-                    "People (CSV)",
-                    () => table("People (CSV)", { file: "population" }, 0),
-                    <>
-                        Sex and measures of everybody, as <code>lemons crowd</code> writes them.
-                    </>,
-                    scene.people ? "" : "Only of crowds that this page has made: others do not say them.",
+                    t("People (CSV)"),
+                    () => table({ file: "population" }, 0),
+                    rich("Sex and measures of everybody, as {crowd} writes them.", { crowd: <code>lemons crowd</code> }),
+                    scene.people ? "" : t("Only of crowds that this page has made: others do not say them."),
                 )}
             </ul>
         </section>

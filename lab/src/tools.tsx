@@ -1,7 +1,9 @@
 // Tools beside the picture: each opens the forms that it belongs to, and draws.
 
+import { t } from "./language";
 import { kindOf, setKind } from "./motion";
 import { begin as beginMotion, mode as motionMode, type Mode as MotionMode } from "./motionstate";
+import { Button } from "./parts";
 import { change, plan } from "./plan";
 import type { Motion } from "./protocol";
 import { aim, begin as beginRoom, fixed, mode as roomMode, type Mode as RoomMode } from "./roomtool";
@@ -9,12 +11,12 @@ import { aim, begin as beginRoom, fixed, mode as roomMode, type Mode as RoomMode
 type ToolOf = { name: string; title: string } & ({ room: RoomMode } | { motion: MotionMode; kind: Motion["kind"] });
 
 const TOOLS: ToolOf[] = [
-    { name: "Door", title: "Put a door into a wall", room: "door" },
-    { name: "Wall", title: "Draw a wall: click its corners", room: "wall" },
-    { name: "Obstacle", title: "Draw an obstacle: a rectangle from corner to corner", room: "rectangle" },
-    { name: "People", title: "Draw where people stand: a rectangle from corner to corner", room: "region" },
-    { name: "Push", title: "Draw a push: from the middle of its circle to the tip of its arrow", motion: "push", kind: "push" },
-    { name: "Exit", title: "Draw an exit: click both ends of its line", motion: "exit line", kind: "go" },
+    { name: t("Door"), title: t("Put a door into a wall"), room: "door" },
+    { name: t("Wall"), title: t("Draw a wall: click its corners"), room: "wall" },
+    { name: t("Obstacle"), title: t("Draw an obstacle: a rectangle from corner to corner"), room: "rectangle" },
+    { name: t("People"), title: t("Draw where people stand: a rectangle from corner to corner"), room: "region" },
+    { name: t("Push"), title: t("Draw a push: from the middle of its circle to the tip of its arrow"), motion: "push", kind: "push" },
+    { name: t("Exit"), title: t("Draw an exit: click both ends of its line"), motion: "exit line", kind: "go" },
 ];
 
 export function Tools() {
@@ -22,13 +24,11 @@ export function Tools() {
     const ofCrowd = plan.value.made.base.kind === "crowd";
     const there = TOOLS.filter((tool) => "motion" in tool || ofCrowd || (tool.room !== "region" && !fixed.value));
     return (
-        <div class="together" role="group" aria-label="Draw">
+        <div class="together" role="group" aria-label={t("Draw")}>
             {there.map((tool) => {
                 const on = "room" in tool ? plan.value.tab === "room" && roomMode.value === tool.room : plan.value.tab === "motion" && motionMode.value === tool.motion;
                 return (
-                    <button key={tool.name} type="button" title={tool.title} aria-pressed={on} onClick={() => (on ? end() : take(tool))}>
-                        {tool.name}
-                    </button>
+                    <Button key={tool.name} words={tool.name} title={tool.title} aria-pressed={on} onClick={() => (on ? end() : take(tool))} />
                 );
             })}
         </div>

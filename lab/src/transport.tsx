@@ -1,8 +1,9 @@
 // What plays a run: buttons, and the timeline.
 
 import type { Film } from "./film";
-import { beat } from "./layout";
-import { Choice, Icon, NumberField } from "./parts";
+import { t } from "./language";
+import { calmly } from "./layout";
+import { Button, Choice, Icon, NumberField, Range } from "./parts";
 import { change, plan } from "./plan";
 
 const PACES = [0.1, 0.25, 0.5, 1, 2, 4].map((pace) => [String(pace), `${pace} ×`] as const);
@@ -22,14 +23,14 @@ export function Transport({ film }: { film: Film }) {
         </button>
     );
     return (
-        <div class="transport" role="group" aria-label="Run">
+        <div class="transport" role="group" aria-label={t("Run")}>
             <div class="controls">
-                {button("To the start", "start", () => void film.show(0))}
-                {button("Step back", "back", () => void film.show(Math.ceil(film.place.value) - 1))}
-                {button(playing ? "Pause" : "Play", playing ? "pause" : "play", () => (film.playing.value = !playing))}
-                {button("Step", "step", () => void film.show(film.shown.value + 1))}
-                <Choice label="Pace" value={String(plan.value.pace)} choices={PACES} onChange={(pace) => change({ pace: Number(pace) })} />
-                <NumberField label="End of the timeline" short="timeline" unit="s" value={plan.value.end} min={film.scene.step} max={1e5} step={5} onChange={(end) => change({ end })} />
+                {button(t("To the start"), "start", () => void film.show(0))}
+                {button(t("Step back"), "back", () => void film.show(Math.ceil(film.place.value) - 1))}
+                {button(playing ? "Pause" : t("Play"), playing ? "pause" : "play", () => (film.playing.value = !playing))}
+                {button(t("Step"), "step", () => void film.show(film.shown.value + 1))}
+                <Choice label={t("Pace")} value={String(plan.value.pace)} choices={PACES} onChange={(pace) => change({ pace: Number(pace) })} />
+                <NumberField label={t("End of the timeline")} short={t("timeline")} unit="s" value={plan.value.end} min={film.scene.step} max={1e5} step={5} onChange={(end) => change({ end })} />
                 <Compute film={film} />
                 <UntilLeft film={film} />
             </div>
@@ -47,12 +48,10 @@ export function lastOf(film: Film): number {
 /** Computes up to the end of the timeline without playing. */
 export function Compute({ film }: { film: Film }) {
     const last = Math.round(plan.value.end / film.scene.step);
-    const there = (film.playing.value ? (beat.value, film.computed.peek()) : film.computed.value) - 1;
+    const there = calmly(film, film.computed) - 1;
     const computing = film.wanted.value > there && !film.failed.value;
     return (
-        <button type="button" disabled={!computing && there >= last} onClick={() => void film.compute(computing ? null : last)}>
-            {computing ? "Stop computing" : "Compute it"}
-        </button>
+        <Button words={computing ? t("Stop computing") : t("Compute it")} disabled={!computing && there >= last} onClick={() => void film.compute(computing ? null : last)} />
     );
 }
 
@@ -62,24 +61,20 @@ const BOUND = 600;
 /** Computes until all have left. While it does, the button beside it stops it. */
 function UntilLeft({ film }: { film: Film }) {
     if (film.scene.leaving === 0) return null;
-    const there = (film.playing.value ? (beat.value, film.computed.peek()) : film.computed.value) - 1;
+    const there = calmly(film, film.computed) - 1;
     const emptied = film.emptied.value;
-    const reached = film.playing.value ? (beat.value, film.reached.peek()) : film.reached.value;
+    const reached = calmly(film, film.reached);
     // Tables and the report end at the last frame that was shown or asked for.
     const over = (emptied !== null && reached >= emptied) || there * film.scene.step >= BOUND || there >= film.most - 1;
     return (
-        <button type="button" disabled={over || film.bound.value !== null && film.wanted.value > there} title={`Computes until nobody who has an exit is left, at most up to ${BOUND} s`} onClick={() => void film.computeUntilLeft(BOUND)}>
-            Until all have left
-        </button>
+        <Button words={t("Until all have left")} disabled={over || film.bound.value !== null && film.wanted.value > there} title={t("Computes until nobody who has an exit is left, at most up to {most} s", { most: BOUND })} onClick={() => void film.computeUntilLeft(BOUND)} />
     );
 }
 
 function Timeline({ film }: { film: Film }) {
     const { step } = film.scene;
     // The page is laid out again when a text changes, so not for each picture.
-    const playing = film.playing.value;
-    const k = playing ? (beat.value, film.shown.peek()) : film.shown.value;
-    const computed = playing ? film.computed.peek() : film.computed.value;
+    const [k, computed] = [calmly(film, film.shown), calmly(film, film.computed)];
     const last = lastOf(film);
     const decimals = Math.max(2, Math.min(6, Math.ceil(-Math.log10(step))));
     const time = `${(k * step).toFixed(decimals)} s`;
@@ -88,7 +83,7 @@ function Timeline({ film }: { film: Film }) {
     const x = (frame: number) => (1000 * Math.min(frame, last)) / Math.max(1, last);
     return (
         <label class="scrub">
-            <span class="hidden">Time</span>
+            <span class="hidden">{t("Time")}</span>
             <span class="time">{time}</span>
             <span class="track">
                 <svg viewBox="0 0 1000 10" preserveAspectRatio="none" aria-hidden="true">
@@ -100,14 +95,7 @@ function Timeline({ film }: { film: Film }) {
                     ))}
                     <path d={leavings(film, computed).map((frame) => `M${x(frame)} 0V10`).join("")} class="left" />
                 </svg>
-                <input
-                    type="range"
-                    aria-valuetext={time}
-                    min={0}
-                    max={last}
-                    value={k}
-                    onInput={(event) => void film.show(event.currentTarget.valueAsNumber)}
-                />
+                <Range aria-valuetext={time} min={0} max={last} value={k} onSlide={(to) => void film.show(to)} />
             </span>
         </label>
     );
@@ -125,18 +113,18 @@ function leavings({ frames, scene }: Film, computed: number): number[] {
 /** How far it is computed, and how many have left in the frame that is shown: a line of its own, which moves nothing. */
 function Status({ film }: { film: Film }) {
     const { leaving, step } = film.scene;
-    const [k, computed] = film.playing.value ? (beat.value, [film.shown.peek(), film.computed.peek()]) : [film.shown.value, film.computed.value];
-    const time = (frame: number) => `${(frame * step).toFixed(2)} s`;
+    const [k, computed] = [calmly(film, film.shown), calmly(film, film.computed)];
+    const time = (frame: number) => (frame * step).toFixed(2);
     const emptied = film.emptied.value;
     const all = emptied !== null && k >= emptied;
     return (
         <p class="note status">
-            <span>{`computed: ${((computed - 1) * step).toFixed(1)} s`}</span>
-            {leaving > 0 && !all && <span>{`${film.frames.curve("left")[k]} of ${leaving} have left.`}</span>}
+            <span>{t("computed: {computed} s", { computed: ((computed - 1) * step).toFixed(1) })}</span>
+            {leaving > 0 && !all && <span>{t("{left} of {n} have left.", { left: film.frames.curve("left")[k]!, n: leaving })}</span>}
             {/* Only the end is told to those who do not see it. */}
             <strong role="status">
-                {all && `All ${leaving} have left after ${time(emptied)}.`}
-                {film.bound.value !== null && emptied === null && computed - 1 === film.wanted.value && `Not all have left after ${time(film.wanted.value)}: it ends there.`}
+                {all && t("All {n} have left after {time} s.", { n: leaving, time: time(emptied) })}
+                {film.bound.value !== null && emptied === null && computed - 1 === film.wanted.value && t("Not all have left after {time} s: it ends there.", { time: time(film.wanted.value) })}
             </strong>
         </p>
     );

@@ -4,7 +4,8 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { Box3, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Vector3 } from "three";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { lines, surface } from "./crowd3d";
-import { SpaceCanvas } from "./parts";
+import { t } from "./language";
+import { Check, SpaceCanvas } from "./parts";
 import type { Surface } from "./protocol";
 import { free, Space } from "./space";
 
@@ -107,11 +108,8 @@ export default function Turning({ body, stature, altitude }: TurningProps) {
         if (turns.value) made.current?.space.draw();
     });
     return (
-        <SpaceCanvas canvas={canvas} missing={missing} label="The body in three dimensions. Arrow keys turn the picture, plus and minus zoom, 0 shows all.">
-            <label class="check">
-                <input type="checkbox" checked={turns.value} onChange={(event) => (turns.value = event.currentTarget.checked)} />
-                Turn
-            </label>
+        <SpaceCanvas canvas={canvas} missing={missing} label={t("The body in three dimensions. Arrow keys turn the picture, plus and minus zoom, 0 shows all.")}>
+            <Check label={t("Turn")} value={turns.value} onChange={(on) => (turns.value = on)} />
         </SpaceCanvas>
     );
 }

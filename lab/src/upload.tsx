@@ -1,6 +1,7 @@
 // Files that the user opens: a zip or a folder, chosen or dropped. They stay on this machine.
 
 import { MOST } from "./forms";
+import { t } from "./language";
 import { keysInUse, plan } from "./plan";
 import { open } from "./scenes";
 import { attempt, said } from "./session";
@@ -14,27 +15,32 @@ export interface Given {
     file: File;
 }
 
+/** Why a file is not taken whose name would not be there again after a reload. */
+export function tooLong(name: string): string {
+    return t('the name "{name}…" has more than {most} letters', { name: name.slice(0, 20), most: MOST.name });
+}
+
 /** Files as a request holds them, kept for a reload. */
 export async function taken(given: File[]): Promise<string> {
     const size = given.reduce((sum, file) => sum + file.size, 0);
-    if (size > MOST_BYTES) throw new Error(`${given.length === 1 ? given[0]!.name : "the files"}: more than ${MOST_BYTES / 1e6} MB`);
+    if (size > MOST_BYTES) throw new Error(t("{name}: more than {most} MB", { name: given.length === 1 ? given[0]!.name : t("the files"), most: MOST_BYTES / 1e6 }));
     return keep(await joined(given), keysInUse());
 }
 
 /** Shows the Trial in a zip, or in the files of a folder. */
 export async function openTrial(given: Given[]) {
     const first = given[0];
-    if (!first) throw new Error("there is no file in it");
-    if (given.length > MOST.files) throw new Error(`more than ${MOST.files} files: a Trial has fewer than ten`);
+    if (!first) throw new Error(t("there is no file in it"));
+    if (given.length > MOST.files) throw new Error(t("more than {most} files: a Trial has fewer than ten", { most: MOST.files }));
     const name = first.path.split("/")[0]!;
     // What is longer would not be there again after a reload.
     const long = given.find(({ path }) => path.length > MOST.path);
-    if (name.length > MOST.name) throw new Error(`the name ${name.slice(0, 20)}… has more than ${MOST.name} letters`);
-    if (long) throw new Error(`the path ${long.path.slice(0, 40)}… has more than ${MOST.path} letters`);
+    if (name.length > MOST.name) throw new Error(tooLong(name));
+    if (long) throw new Error(t('the path "{path}…" has more than {most} letters', { path: long.path.slice(0, 40), most: MOST.path }));
     const { made } = plan.value;
     const key = await taken(given.map(({ file }) => file));
     if (plan.value.made !== made) {
-        said.value = `"${name}" was not opened: another scene was chosen meanwhile.`;
+        said.value = t('"{name}" was not opened: another scene was chosen meanwhile.', { name });
         return remove(key);
     }
     const files = given.map(({ path, file }) => [path, file.size] as [string, number]);
@@ -82,7 +88,7 @@ export async function dropped(data: DataTransfer): Promise<Given[]> {
 }
 
 async function collect(entry: FileSystemEntry, path: string, found: Given[], depth: number) {
-    if (found.length > MOST.files || depth > MOST_DEPTH) throw new Error(`more than ${MOST.files} files, or folders in folders too deep`);
+    if (found.length > MOST.files || depth > MOST_DEPTH) throw new Error(t("more than {most} files, or folders in folders too deep", { most: MOST.files }));
     if (entry.isFile) {
         const file = await new Promise<File>((done, failed) => (entry as FileSystemFileEntry).file(done, failed));
         found.push({ path, file });

@@ -28,7 +28,8 @@ SHORT = {
     "test_a_reload_and_a_link_bring_all_back_and_undo_takes_it_away",
     "test_a_number_out_of_range_stays_and_is_not_taken",
     "test_each_message_of_the_engine_has_a_translation",
-    "test_the_dictionary_has_each_text_once_and_its_numbers",
+    "test_the_catalogs_have_the_texts_of_the_page_and_their_places",
+    "test_the_catalogs_of_the_engine_have_what_it_says",
 }
 
 

@@ -23,11 +23,11 @@ const CROWD: &str = "crowd";
 /// A run that is ready: initialized, and at its first communication point, or at that of the saved run.
 ///
 /// ```no_run
-/// use lemons_master::{Error, Prepared, Settings};
+/// use lemons_master::{MasterError, PreparedSystem, RunSettings};
 ///
 /// let parameters = vec![("agent[*].Mass".to_owned(), "80".to_owned())];
-/// let settings = Settings { parameters, until: Some(2.0), ..Settings::of("push.fmu") };
-/// let mut run = Prepared::of(&settings)?;
+/// let settings = RunSettings { parameters, until: Some(2.0), ..RunSettings::of("push.fmu") };
+/// let mut run = PreparedSystem::of(&settings)?;
 /// for warning in &run.warnings {
 ///     println!("{warning}");
 /// }
@@ -36,7 +36,7 @@ const CROWD: &str = "crowd";
 ///     let crowd = &run.system.components[0].instance;
 ///     println!("{time} s: {} m", crowd.value::<f64>("agent[0].Position.x")?);
 /// }
-/// # Ok::<(), Error>(())
+/// # Ok::<(), MasterError>(())
 /// ```
 pub struct PreparedSystem {
     /// One FMU as the component `crowd`; or those of the SSP.

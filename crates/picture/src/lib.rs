@@ -2,9 +2,9 @@
 //!
 //! ```
 //! # use lemons_core::trial::Trial;
-//! # use lemons_picture::{PictureError, Scene, Style};
+//! # use lemons_picture::{PictureError, PictureScene, Style};
 //! # fn picture(trial: &Trial) -> Result<Vec<u8>, PictureError> {
-//! let svg = lemons_picture::svg(&Scene::at_start(trial), &Style::default());
+//! let svg = lemons_picture::svg(&PictureScene::at_start(trial), &Style::default());
 //! lemons_picture::png(&svg, 800)
 //! # }
 //! ```
