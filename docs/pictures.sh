@@ -7,7 +7,7 @@
 # measured.png needs the measured push (../shared/data/push_wed), flow.png a Python with FMPy and Matplotlib (PYTHON, else
 # .venv), turnstile.png one with Matplotlib and a C compiler, lab_*.png also Playwright there, Chromium, and the lab in the
 # command (lab/build.sh). Each stays as it is without.
-# All other pictures are made by a script in examples/: CONTRIBUTING.md, "Pictures".
+# All other pictures are made by a script in examples/: docs/development.md, "Pictures".
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 to=${1:-docs}

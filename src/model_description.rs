@@ -52,7 +52,7 @@ mod tests {
             if std::env::var_os("DESCRIPTIONS").is_some_and(|what| what == "write") {
                 std::fs::write(&path, &generated).unwrap();
             }
-            assert!(std::fs::read_to_string(&path).unwrap() == generated, "{file}: see CONTRIBUTING.md");
+            assert!(std::fs::read_to_string(&path).unwrap() == generated, "{file}: see docs/development.md");
         }
     }
 }

@@ -1,7 +1,7 @@
 """The pictures of the pages: each has a command that makes it, and is what this command draws today.
 
 What is cheap is drawn again. Of the others, a part of the numbers is computed again, or the picture says of what it was
-drawn. CONTRIBUTING.md, "Pictures", says how to make each again.
+drawn. docs/development.md, "Pictures", says how to make each again.
 """
 
 import csv
@@ -159,4 +159,4 @@ def test_pictures_that_take_minutes_are_of_what_they_were_drawn_from(lemons, tmp
         DIGESTS.write_text("".join(f"{digest}  {picture}\n" for picture, digest in digests.items()))
     kept = dict(reversed(line.split()) for line in DIGESTS.read_text().splitlines())
     old = [picture for picture in of if kept.get(picture) != digests[picture]]
-    assert not old and kept.keys() == of.keys(), f"may be old: {old}; CONTRIBUTING.md, Pictures"
+    assert not old and kept.keys() == of.keys(), f"may be old: {old}; docs/development.md, Pictures"

@@ -14,7 +14,7 @@ fn the_committed_ones_are_the_drawn_ones() {
             if std::env::var_os("ICONS").is_some_and(|what| what == "write") {
                 std::fs::write(&drawn, &bytes).unwrap();
             }
-            assert!(std::fs::read(&drawn).unwrap() == bytes, "{}: see CONTRIBUTING.md", drawn.display());
+            assert!(std::fs::read(&drawn).unwrap() == bytes, "{}: see docs/development.md", drawn.display());
         }
     }
 }
