@@ -50,7 +50,8 @@ const RANGES: [(&str, [f64; 2]); 10] = [
     ("groups", [0.0, 1.0]),
     ("time_step", [1e-6, 1.0]),
 ];
-const ROUND: &str = "round bodies are of adults with nothing: take no mix of kinds, or no round bodies";
+const ROUND: &str =
+    "round bodies are of adults with nothing: take no mix of kinds and no bicycles, or no round bodies";
 /// The material of walls that are made.
 pub const WALLS: &str = "concrete";
 
@@ -81,7 +82,7 @@ pub struct Scenario {
     pub seed: Option<u64>,
     /// Source of the people.
     pub people: People,
-    /// Probability that a pedestrian is a man; if it is not said, 0.5, or what the statistics say.
+    /// Probability that an adult is a man; if it is not said, 0.5, or what the statistics say.
     pub men: Option<f64>,
     /// Probability that somebody is a pedestrian; the others are of the kind "bicycle".
     pub pedestrians: Option<f64>,
