@@ -86,7 +86,7 @@ impl SpringHistory {
     /// History of a contact that begins.
     pub const NONE: SpringHistory = SpringHistory { elongation: 0.0, rate: 0.0, normal: 0.0 };
 
-    /// Returns that of a contact with these forces, at a tangential speed \[m/s\].
+    /// Returns the history of a contact with these forces, at a tangential speed \[m/s\].
     #[inline]
     pub fn after(law: &PairLaw, reaction: &Reaction, slip_speed: f64) -> SpringHistory {
         let Reaction { normal, tangential, elongation, regime } = *reaction;

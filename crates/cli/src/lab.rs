@@ -24,7 +24,8 @@ include!(concat!(env!("OUT_DIR"), "/lab.rs"));
 /// The policy of the page itself.
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; \
      worker-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action 'none'";
-/// Addition, except for the address `?embed`, which shows the stage alone: no other page may show this one in a frame.
+/// Rest of the policy, but for the address `?embed`, which shows the stage alone: no other page may show this one in a
+/// frame.
 const NO_FRAME: &str = "; frame-ancestors 'none'";
 
 #[derive(clap::Args)]

@@ -95,7 +95,7 @@ fn is_due(at: f64, before: f64, now: f64) -> bool {
     before < at - 1e-9 && at - 1e-9 <= now
 }
 
-/// Act of an agent.
+/// Drive and state of an agent in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Act {
     /// Its force and torque.

@@ -314,7 +314,7 @@ impl Ways {
     }
 
     /// Returns whether somebody who walked from one place to another has arrived; if it is an exit that is `open`, to leave.
-    /// So has somebody who gets no nearer to an area with a `body` of this radius \[m\], because of a wall behind its rim.
+    /// Somebody has arrived, too, who gets no nearer to an area with a `body` of this radius \[m\], because of a wall behind its rim.
     pub fn arrived(
         &self,
         to: Destination,

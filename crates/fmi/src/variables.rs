@@ -325,7 +325,7 @@ pub enum Dimension {
 /// A row of a model's table: a variable of FMI 3.0. The variables of FMI 2.0 are its elements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Variable<Q: 'static> {
-    /// The model's key of it.
+    /// Key by which the model knows it.
     pub quantity: Q,
     /// Structured name.
     pub name: &'static str,

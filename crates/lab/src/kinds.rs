@@ -67,7 +67,8 @@ pub fn parts(trial: &Trial) -> BTreeMap<String, Vec<String>> {
     let named = names.into_iter().filter_map(|name| Some((name, kinds.get(name)?)));
     let parts = |kind: &PersonKind| {
         let child = kind.companion.map(|_| "child".to_owned());
-        kind.parts.iter().map(|part| part.name.clone()).chain(child).collect()
+        let bicycle = kind.bicycle.then(|| "bicycle".to_owned());
+        kind.parts.iter().map(|part| part.name.clone()).chain(bicycle).chain(child).collect()
     };
     named.map(|(name, kind)| (name.clone(), parts(kind))).collect()
 }

@@ -27,6 +27,9 @@ const MOST_CELLS: f64 = 64.0;
 pub const BICYCLE_MEASURES: [(&str, &str); 5] =
     [("wheel width", "m"), ("length", "m"), ("handlebar", "m"), ("top tube", "m"), ("mass", "kg")];
 
+/// The least and the greatest value \[m\], \[kg\] of each measure that a bicycle can have.
+pub(crate) const POSSIBLE: [[f64; 2]; 5] = [[0.01, 1.0], [0.5, 5.0], [0.1, 2.0], [0.1, 2.0], [1.0, 500.0]];
+
 /// The paper's distributions of the measures of bicycles. They are independent, because no survey gives their
 /// correlations.
 pub const PAPER_BICYCLES: [TruncatedNormal; 5] = [

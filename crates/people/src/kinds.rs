@@ -1,5 +1,6 @@
-//! Kinds of people: children, the elderly, people with luggage, strollers, wheelchairs, bicycles. A table says of each kind whose
-//! body it is, what goes along with it, and how fast it walks: `data/kinds.toml`, with the source of each number.
+//! Kinds of people: children, the elderly, people with luggage, strollers, wheelchairs, bicycles. A table says of each
+//! kind whose body it is, what goes along with it, and how fast it walks: `data/kinds.toml`, with the source of each
+//! number.
 
 use crate::anthropometry::ansur;
 use crate::bicycle::Bicycle;
@@ -20,6 +21,8 @@ use std::sync::Arc;
 const HAND: f64 = 0.05;
 /// Names in tables that are no kinds.
 const OTHERS: [&str; 3] = ["male", "female", "pedestrian"];
+/// The kind of those who are no pedestrians.
+pub const BICYCLE: &str = "bicycle";
 /// \[1/s\] Largest rate at which a floor brakes.
 const MOST_DAMPING: f64 = 1000.0;
 /// Most disks of all parts of a kind.
@@ -112,7 +115,7 @@ pub struct PersonKind {
     /// Whether the person sits within the parts, and has no disks of its own.
     #[serde(default)]
     pub seated: bool,
-    /// Whether the person rides a bicycle, whose measures are drawn: the disks and the mass of it come before the parts.
+    /// Whether the person rides a bicycle, whose measures are drawn; there are no parts then.
     #[serde(default)]
     pub bicycle: bool,
     /// \[m\] Height of its seat, in three dimensions.
@@ -159,11 +162,17 @@ impl Kinds {
     /// # Errors
     /// A number of a kind is impossible.
     pub fn with(mut self, kinds: BTreeMap<String, PersonKind>) -> Result<Kinds> {
-        for (name, kind) in kinds {
+        for (name, mut kind) in kinds {
             require(!name.trim().is_empty() && !OTHERS.contains(&&*name), || {
                 format!("kind {name:?}: this name means something else; give it another one")
             })?;
+            require(name != BICYCLE || kind.bicycle, || {
+                format!("kind {name:?}: must have bicycle = true, because others ride it")
+            })?;
             kind.check().map_err(|error| error.of(format!("kind {name:?}")))?;
+            if let Some(built_in) = self.0.get(BICYCLE).filter(|_| kind.bicycle && kind.solids.is_empty()) {
+                kind.solids = built_in.solids.clone();
+            }
             self.0.insert(name.clone(), Arc::new(PersonKind { name, ..kind }));
         }
         Ok(self)
@@ -214,7 +223,9 @@ impl PersonKind {
                 format!("{name} = [{from}, {to}]: must be from 2 to 18 years, the lower one first")
             })?;
         }
-        require(self.seated || !self.bicycle, || "bicycle: who rides one is seated".to_owned())?;
+        require(!self.bicycle || self.seated && self.parts.is_empty(), || {
+            "bicycle = true: needs seated = true, and has no parts".to_owned()
+        })?;
         require(!self.seated || self.bicycle || self.disks() > 0, || {
             "seated: there are no parts to sit in".to_owned()
         })?;

@@ -37,7 +37,7 @@ pub use cover::{Cover, MOST_COVERING, cover};
 pub use custom::Custom;
 pub use doors::{Door, closed_walls, cut_doors, cut_doors_in_all, nearest_wall};
 pub use error::PeopleError;
-pub use kinds::{BodyDisk, BodyStatistics, KindPart, Kinds, Member, PartOrigin, PersonKind, Solid};
+pub use kinds::{BICYCLE, BodyDisk, BodyStatistics, KindPart, Kinds, Member, PartOrigin, PersonKind, Solid};
 pub use lemons_core::distribution::{Distribution, Range, TruncatedNormal};
 pub use lemons_core::plane::is_closed;
 pub use lemons_core::plane::{Disk, Moments};

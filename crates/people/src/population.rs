@@ -1,7 +1,7 @@
 //! Populations: from which statistics people are drawn, and how many of each kind.
 
 use crate::anthropometry::{SexStatistics, ansur};
-use crate::bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES};
+use crate::bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES, POSSIBLE};
 use crate::copula::{Copula, Correlations};
 use crate::error::{PeopleError, Result, require};
 use crate::kinds::{BodyStatistics, Member, PersonKind, draw_child};
@@ -83,7 +83,7 @@ impl CustomMeasures {
     }
 }
 
-/// An agent of a mixed crowd.
+/// A member of a crowd, before it has an Id.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CrowdMember {
     /// A pedestrian.
@@ -255,10 +255,19 @@ impl Population {
     /// Gives it other distributions of the measures of bicycles, in the order of [`BICYCLE_MEASURES`].
     ///
     /// # Errors
-    /// A distribution is impossible.
+    /// A distribution is impossible, or goes beyond what bicycles have.
     pub fn with_bicycles(self, bicycles: [TruncatedNormal; 5]) -> Result<Population> {
-        for ((measure, _), normal) in BICYCLE_MEASURES.into_iter().zip(bicycles) {
+        for (((measure, unit), normal), [least, most]) in
+            BICYCLE_MEASURES.into_iter().zip(bicycles).zip(POSSIBLE)
+        {
             normal.check().map_err(|error| PeopleError::new(error).of(format!("bicycle's {measure}")))?;
+            for (limit, value) in [("min", normal.min), ("max", normal.max)] {
+                require((least..=most).contains(&value), || {
+                    format!(
+                        "bicycle's {measure}: {limit} = {value} {unit}: bicycles have {least} to {most} {unit}"
+                    )
+                })?;
+            }
         }
         Ok(Population { bicycles, ..self })
     }

@@ -1,8 +1,8 @@
 //! Makes a Trial of a crowd: all its files, ready to be checked, packed and run.
 //!
-//! Materials, damping and floor are the paper's (App. C, and its table of parameters). The offsets of a shape are relative to the centroid of its area: the centre of mass of a body of uniform
-//! density. The moment of inertia is about this point. Numbers are written so that they are read back as the same
-//! doubles.
+//! Materials, damping and floor are the paper's (App. C, and its table of parameters). The offsets of a shape are
+//! relative to the centroid of its area: the centre of mass of a body of uniform density. The moment of inertia is about
+//! this point. Numbers are written so that they are read back as the same doubles.
 
 use crate::error::{Result, require};
 use crate::kinds::BodyDisk;

@@ -456,11 +456,13 @@ fn figures_that_fit_a_trial_are_those_of_its_kinds() {
             }
             let middle = |of: usize, part: usize| {
                 let vertices: &Vec<[f64; 3]> = &bodies[of][part].vertices;
-                vertices.iter().map(|place| place[1]).sum::<f64>() / vertices.len() as f64
+                [0, 1]
+                    .map(|axis| vertices.iter().map(|place| place[axis]).sum::<f64>() / vertices.len() as f64)
             };
             for part in (0..bodies[0].len()).step_by(5) {
-                let off = middle(0, part) - middle(1, part);
-                assert!(off.abs() < 0.01, "{} {part}: {off}", kind.name);
+                let ([x, y], [other_x, other_y]) = (middle(0, part), middle(1, part));
+                let off = (x - other_x).hypot(y - other_y);
+                assert!(off < 0.01, "{} {part}: {off}", kind.name);
             }
         }
         // Of a body that is lighter than what goes along.

@@ -52,7 +52,8 @@ const RANGES: &[NumberRow] = &[
     ("time_step", [1e-6, 1.0], |of| of.time_step),
     ("groups", [0.0, 1.0], |of| of.decision.groups.as_ref()?.share),
 ];
-const ROUND: &str = "round bodies are of adults with nothing: take no mix of kinds, or no round bodies";
+const ROUND: &str =
+    "round bodies are of adults with nothing: take no mix of kinds and no bicycles, or no round bodies";
 /// The material of walls that are made.
 pub const WALLS: &str = "concrete";
 
@@ -83,7 +84,7 @@ pub struct Scenario {
     pub seed: Option<u64>,
     /// Source of the people.
     pub people: People,
-    /// Probability that a pedestrian is a man; if it is not said, 0.5, or what the statistics say.
+    /// Probability that an adult is a man; if it is not said, 0.5, or what the statistics say.
     pub men: Option<f64>,
     /// Probability that somebody is a pedestrian; the others are of the kind "bicycle".
     pub pedestrians: Option<f64>,

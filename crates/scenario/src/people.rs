@@ -12,8 +12,9 @@ use lemons_people::placing::{
     Ended, FreeSpace, Method, Orientation, Packing, PlacingSettings, Watch, within_area,
 };
 use lemons_people::{
-    CrowdMember, Custom, CustomMeasures, Disk, Kinds, PeopleError, Person, Population, PopulationSource, Sex,
-    Shape, Survey, TrialSettings, TruncatedNormal, choose_mechanical_step, crowd_trial, heading,
+    BICYCLE, CrowdMember, Custom, CustomMeasures, Disk, Kinds, PeopleError, Person, Population,
+    PopulationSource, Sex, Shape, Survey, TrialSettings, TruncatedNormal, choose_mechanical_step,
+    crowd_trial, heading,
 };
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -166,13 +167,15 @@ impl Scenario {
         if let Some(bicycles) = bicycles {
             population = population.and_then(|population| population.with_bicycles(bicycles));
         }
-        let population = match custom {
+        let population = match &custom {
             Some(named) => population.of(named)?,
             None => population?,
         };
+        let of_file = custom.as_deref().filter(|_| self.pedestrians.is_none());
+        let whose = of_file.unwrap_or("`pedestrians`");
         require(!self.round || mix.is_empty() && pedestrians == 1.0, || ROUND.to_owned())?;
-        let population = match kinds.get("bicycle") {
-            Some(bicycle) => population.with_riders(pedestrians, bicycle.clone()).of("`pedestrians`")?,
+        let population = match kinds.get(BICYCLE) {
+            Some(bicycle) => population.with_riders(pedestrians, bicycle.clone()).of(whose)?,
             None => population,
         };
         if mix.is_empty() {

@@ -6,7 +6,7 @@ use crate::{Scenario, WALLS};
 use lemons_core::files::source::FileSource;
 use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
-use lemons_people::drawing::places::inside;
+use lemons_people::drawing::outside::inside;
 use lemons_people::drawing::{DrawingFormat, LARGEST_DRAWING, NamedPlace, Read};
 use lemons_people::placing::{FreeSpace, Packing, Region};
 use lemons_people::room::Room;

@@ -15,7 +15,7 @@ pub enum SimError {
         name: String,
         /// The text that was given.
         text: String,
-        /// The rule that it breaks.
+        /// Why it is none.
         why: String,
     },
     /// There is no such variable.

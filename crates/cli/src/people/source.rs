@@ -11,11 +11,11 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(next_help_heading = "People (default: drawn from the statistics of the survey ANSUR II, 2012)")]
 pub struct SourceArguments {
-    /// Probability that a pedestrian is a man, 0 to 1. Default: 0.5
+    /// Probability that an adult is a man, 0 to 1. Default: 0.5
     #[arg(long, value_name = "PART", value_parser = ranged("men", ""), conflicts_with = "fixed")]
     men: Option<f64>,
-    /// Probability that a member of the crowd is a pedestrian, 0 to 1; the others ride bicycles, as with
-    /// the kind bicycle in --mix. Default: 1
+    /// Probability that a member of the crowd is a pedestrian, 0 to 1; the others ride bicycles
+    /// (the kind bicycle of --mix). Default: 1
     #[arg(long, value_name = "PART", value_parser = ranged("pedestrians", ""))]
     pedestrians: Option<f64>,
     #[arg(long, value_name = "KIND=SHARE", value_delimiter = ',', value_parser = share, help = help_of_mix())]

@@ -19,9 +19,9 @@ pub type Polygons = Vec<Vec<Contour>>;
 /// Rule of what is inside of several contours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InsideRule {
-    /// Places around which an odd number of them is.
+    /// What an odd number of contours goes around.
     EvenOdd,
-    /// Places around which they go, all in all, where a clockwise one counts against the others.
+    /// What contours go around, where a clockwise one counts against the others.
     NonZero,
 }
 

@@ -5,7 +5,7 @@
 
 use super::{Body3d, BodySlice, MeshPart};
 use crate::anthropometry::ansur;
-use crate::bicycle::PAPER_BICYCLES;
+use crate::bicycle::{Bicycle, PAPER_BICYCLES};
 use crate::error::Result;
 use crate::growth::child;
 use crate::kinds::{KindPart, Kinds, PartOrigin, PersonKind, Solid};
@@ -179,6 +179,9 @@ fn people_of(kind: &PersonKind, agent: &lemons_core::trial::Agent) -> Option<Pla
     let fitting = person_fitting(agent);
     let mass = (agent.mass - carried).max(0.5 * agent.mass);
     if kind.bicycle {
+        if things.is_empty() || own.len() < 2 * Bicycle::ACROSS {
+            return None;
+        }
         // The rider's own measures are not in the disks.
         let [breadth, depth, ..] = ansur(Sex::Male).measures.each_ref().map(|measure| measure.mean);
         let mass = (agent.mass - PAPER_BICYCLES[4].mean).max(0.5 * agent.mass);

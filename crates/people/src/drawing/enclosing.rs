@@ -77,7 +77,7 @@ pub(super) struct Taken {
     pub swings: Vec<Swing>,
 }
 
-/// Sorts a drawing, before somebody chooses.
+/// Returns the sorts of lines and layers, and the swings, before somebody chooses.
 pub(super) fn seen(lines: &[DrawnLine]) -> Result<(Sorted, Vec<Swing>)> {
     let all: Vec<Piece> =
         pieces_of(asked(lines).filter(|(_, line)| of_name(&line.layer) != Some(Sort::Note)))?;

@@ -5,7 +5,7 @@ use super::{
     Drawing, DrawingFormat, FloorPlan, LayerRole, NamedPlace, PlanSettings, Reading, UNITS, UnitFrom,
     WIDEST_GAP, left_out, some_of,
 };
-use super::{doubt, places};
+use super::{doubt, outside};
 use crate::error::Result;
 use crate::is_closed;
 use crate::placing::FARTHEST;
@@ -153,7 +153,7 @@ impl Read {
                 ),
             ));
         }
-        messages.extend(places::doubts(plan).into_iter().map(|doubt| ("warning", doubt)));
+        messages.extend(outside::doubts(plan).into_iter().map(|doubt| ("warning", doubt)));
         let kinds = plan.left_out.len();
         messages.extend(plan.left_out.iter().take(MOST_LEFT_OUT).map(|kind| ("left out", left_out(kind))));
         if kinds > MOST_LEFT_OUT {

@@ -260,6 +260,14 @@ fn impossible_kinds_are_refused() {
         ),
         ("speed = { min = 1, max = 2 }\nseated = true", "seated: there are no parts to sit in"),
         (
+            "speed = { min = 1, max = 2 }\nbicycle = true",
+            "bicycle = true: needs seated = true, and has no parts",
+        ),
+        (
+            "speed = { min = 1, max = 2 }\nsolids = [{ box = [[0, 1], [0, 1], [0, 1]] }]",
+            "solids: those of a part belong to it",
+        ),
+        (
             "speed = { min = 1, max = 2 }\nseated = true\n[[x.parts]]\nname = \"b\"\nmaterial = \"frame\"\n\
              mass = { min = 1, max = 2 }\ndisks = [[0, 0, 0.3], [0.5, 0, 0.3]]",
             "seated: the first disk must be the leftmost one",
@@ -270,6 +278,9 @@ fn impossible_kinds_are_refused() {
     }
     let table: BTreeMap<String, PersonKind> = toml::from_str(&format!("[pedestrian]\n{speed}")).unwrap();
     let message = Kinds::built_in().unwrap().with(table).unwrap_err().to_string();
+    let table: BTreeMap<String, PersonKind> = toml::from_str(&format!("[bicycle]\n{speed}")).unwrap();
+    let walks = Kinds::built_in().unwrap().with(table).unwrap_err().to_string();
+    assert_eq!(walks, "kind \"bicycle\": must have bicycle = true, because others ride it");
     assert!(message.starts_with("kind \"pedestrian\": this name means something else"), "{message}");
     let part = "[[x.parts]]\nname = \"b\"\nmass = { min = 1, max = 2 }\n";
     let message = refused(&format!("[x]\n{speed}{part}material = \"gold\"\ndisks = [[0, 0, 1]]"));

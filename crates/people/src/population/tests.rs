@@ -162,6 +162,16 @@ fn a_survey_gives_its_own_people() {
     let refusal = Population::new(ansur_source(), 0.5).unwrap().with_bicycles(bicycles);
     let refusal = refusal.unwrap_err().to_string();
     assert!(refusal.starts_with("bicycle's mass: min = 10, max = 100: more than 6"), "{refusal}");
+    for (place, min, max, message) in [
+        (2, 0.0, 5e-322, "bicycle's handlebar: min = 0 m: bicycles have 0.1 to 2 m"),
+        (1, 1.0, 1e305, "bicycle's length: max = 1"),
+        (4, f64::NAN, 2.0, "bicycle's mass"),
+    ] {
+        let mut bicycles = PAPER_BICYCLES;
+        bicycles[place] = TruncatedNormal { mean: 1.0, sd: 1e300, min, max };
+        let refused = Population::new(ansur_source(), 0.5).unwrap().with_bicycles(bicycles).unwrap_err();
+        assert!(refused.to_string().starts_with(message), "{refused}");
+    }
 }
 
 #[test]
