@@ -119,20 +119,22 @@ class DecisionReader(Reader):
         "One of several ways": lambda file: file["ways"][0],
         "Groups": lambda file: file.setdefault("groups", {}),
         "An exit or a goal": lambda file: file["exits"][0],
-        "collision-free-speed": lambda file: file.setdefault("collision-free-speed", {}),
-        "social-force": lambda file: file.setdefault("social-force", {}),
-        "rotational": lambda file: file.setdefault("rotational", {}),
-        "pendulum": lambda file: file.setdefault("pendulum", {}),
-        "two-level": lambda file: file.setdefault("two-level", {}),
         "[agents.ID]": lambda file: file["agents"]["0"],
     }
+    # Tables of constants, by the keys that choose them.
+    CONSTANTS = {
+        row["key"].strip("`"): re.findall(r"`([^`]*)`", row["type"])
+        for heading, row in rows(DECISION)
+        if heading == "For everybody" and row["key"] in ("`model`", "`balance`")
+    }
+    for _table in sum(CONSTANTS.values(), []):
+        PLACES[_table] = lambda file, table=_table: file.setdefault(table, {})
 
     def base(self, heading, key):
         file = copy.deepcopy(self.BASE)
-        for model in {heading, key} & {"collision-free-speed", "social-force", "rotational"}:
-            file["model"] = model
-        for balance in {heading, key} & {"pendulum", "two-level"}:
-            file["balance"] = balance
+        for chooses, tables in self.CONSTANTS.items():
+            for table in {heading, key} & {*tables}:
+                file[chooses] = table
         for exit in file["exits"] if (heading, key) == ("An exit or a goal", "share") else []:
             exit["share"] = 1
         if key == "push_sd":

@@ -10,10 +10,11 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 from test_languages import english, visit
-from visit import Picture, becomes, changed, download, fill, held, lemons, link, live, make, places, plan, rows, shot, tab, wait
+from visit import ROOT, Picture, becomes, changed, download, fill, held, lemons, link, live, make, places, plan, rows, shot, tab, wait
 
 FIRST = {"adult": 70, "child": 15, "elderly": 10, "wheelchair": 5}
-KINDS = ["Adult", "With a backpack", "Child", "Elderly", "Powered wheelchair", "With a stroller", "With a suitcase", "With a walker", "Wheelchair", "With a child"]
+#: Names on the page.
+KINDS = re.findall(r'^ +\S+: "(.*)",$', (ROOT / "lab/src/kindwords.ts").read_text(), re.MULTILINE)
 
 
 def mixed(page: Page, number: int = 40, width: float = 800, height: float = 600) -> None:

@@ -1,9 +1,8 @@
 //! Decisions of people: the `decision.toml` of a scenario.
 
 use crate::Scenario;
-use crate::error::{Result, fits, impossible, within};
+use crate::error::{Result, fits, impossible};
 use crate::place::{NO_WAY_OUT, WalkableRoom};
-use crate::range;
 use lemons_core::trial::Trial;
 use lemons_decision::exit_choice::ExitChoice;
 use lemons_decision::rule::{WAYPOINT_RADIUS, Waypoint};
@@ -34,9 +33,6 @@ impl Scenario {
         }
         if let Some(start) = start {
             start.check("start").map_err(impossible)?;
-        }
-        if let Some(share) = groups.as_ref().and_then(|groups| groups.share) {
-            within("`groups`", share, range("groups"))?;
         }
         let pushed = self.speed.is_some() && !self.leave;
         fits(!pushed || balance.is_none(), || {

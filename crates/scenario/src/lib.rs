@@ -37,18 +37,20 @@ pub const MOST_PEOPLE: u32 = 1_000_000;
 const MOST_PARTS: usize = 1000;
 /// Most corners of room and regions.
 const MOST_CORNERS: usize = 10_000;
-/// Ranges of numbers.
-const RANGES: [(&str, [f64; 2]); 10] = [
-    ("box", [0.1, 1e4]),
-    ("number", [1.0, MOST_PEOPLE as f64]),
-    ("density", [1e-6, 100.0]),
-    ("men", [0.0, 1.0]),
-    ("pedestrians", [0.0, 1.0]),
-    ("direction", [-360.0, 360.0]),
-    ("speed", [0.0, 20.0]),
-    ("friction", [0.0, 2.0]),
-    ("groups", [0.0, 1.0]),
-    ("time_step", [1e-6, 1.0]),
+/// Ranges of numbers, and what a scenario has there.
+type NumberRow = (&'static str, [f64; 2], fn(&Scenario) -> Option<f64>);
+const RANGES: &[NumberRow] = &[
+    ("box", [0.1, 1e4], |of| Some(of.sides?.0[0])),
+    ("box", [0.1, 1e4], |of| Some(of.sides?.0[1])),
+    ("number", [1.0, MOST_PEOPLE as f64], |of| of.number.map(f64::from)),
+    ("density", [1e-6, 100.0], |of| of.density),
+    ("men", [0.0, 1.0], |of| of.men),
+    ("pedestrians", [0.0, 1.0], |of| of.pedestrians),
+    ("direction", [-360.0, 360.0], |of| of.direction),
+    ("speed", [0.0, 20.0], |of| of.speed),
+    ("friction", [0.0, 2.0], |of| of.friction),
+    ("time_step", [1e-6, 1.0], |of| of.time_step),
+    ("groups", [0.0, 1.0], |of| of.decision.groups.as_ref()?.share),
 ];
 const ROUND: &str =
     "round bodies are of adults with nothing: take no mix of kinds and no bicycles, or no round bodies";
@@ -287,20 +289,8 @@ impl Scenario {
         let rooms = [("box", sides.is_some()), ("geometry", geometry.is_some()), ("room", room.is_some())];
         let given: Vec<_> = rooms.iter().filter(|(_, given)| *given).map(|(key, _)| key).collect();
         fits(given.len() < 2, || format!("`{}` and `{}`: a scenario has one room", given[0], given[1]))?;
-        let [width, height] = sides.map_or([None; 2], |sides| sides.0.map(Some));
-        for (key, value) in [
-            ("box", width),
-            ("box", height),
-            ("number", self.number.map(f64::from)),
-            ("density", self.density),
-            ("men", self.men),
-            ("pedestrians", self.pedestrians),
-            ("direction", self.direction),
-            ("speed", self.speed),
-            ("friction", self.friction),
-            ("time_step", self.time_step),
-        ] {
-            value.map_or(Ok(()), |value| within(format_args!("`{key}`"), value, range(key)))?;
+        for (key, range, value) in RANGES {
+            value(self).map_or(Ok(()), |value| within(format_args!("`{key}`"), value, *range))?;
         }
         self.drawing.check()?;
         doors.iter().try_for_each(DoorForm::check)?;
@@ -342,7 +332,7 @@ impl Scenario {
 /// # Panics
 /// The key has none.
 pub fn range(key: &str) -> [f64; 2] {
-    RANGES.iter().find(|(known, _)| *known == key).expect("a key with a range").1
+    RANGES.iter().find(|(known, ..)| *known == key).expect("a key with a range").1
 }
 
 fn explained(error: &toml::de::Error) -> String {

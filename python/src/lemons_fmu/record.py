@@ -69,32 +69,32 @@ class Run:
     def squeeze(self) -> Floats:
         """Sum of |F_n| over the contacts [N] at the communication points: shape (K, N). Collisions last milliseconds, so
         its maximum depends on the step; `mean_squeeze` and `peak_squeeze` include the time between the points."""
-        return self.numbers[:, :, 6]
+        return self.numbers[:, :, PLACE["normal_force"]]
 
     @property
     def mean_squeeze(self) -> Floats:
         """Mean of the squeeze over the step that ends at a communication point [N]: shape (K, N)"""
-        return self.numbers[:, :, 7]
+        return self.numbers[:, :, PLACE["mean_normal_force"]]
 
     @property
     def peak_squeeze(self) -> Floats:
         """Largest squeeze within the step that ends at a communication point [N]: shape (K, N)"""
-        return self.numbers[:, :, 8]
+        return self.numbers[:, :, PLACE["peak_normal_force"]]
 
     @property
     def peak_overlap(self) -> Floats:
         """Deepest overlap of the contacts within the step that ends at a communication point [m]: shape (K, N)"""
-        return self.numbers[:, :, 9]
+        return self.numbers[:, :, PLACE["peak_overlap"]]
 
     @property
     def mean_wall_squeeze(self) -> Floats:
         """The part of `mean_squeeze` by walls [N]: shape (K, N). The rest is by other people."""
-        return self.numbers[:, :, 10]
+        return self.numbers[:, :, PLACE["mean_wall_force"]]
 
     @property
     def contacts(self) -> Ints:
         """Number of contacts with people, of contacts with walls, and of people that touch: shape (K, N, 3)"""
-        return self.numbers[:, :, 11:14].astype(np.int32)
+        return self.numbers[:, :, PLACE["agent_contacts"] : PLACE["contacting_agents"] + 1].astype(np.int32)
 
     @property
     def active(self) -> NDArray[np.bool_]:

@@ -4,7 +4,7 @@ use super::{measure, person, ranged};
 use crate::error::Misused;
 use crate::values::within;
 use anyhow::{Result, bail};
-use lemons_people::{BodyMeasure, Person, Sex};
+use lemons_people::{BodyMeasure, Kinds, Person, Sex};
 use lemons_scenario::{People, Scenario, Share};
 use std::path::PathBuf;
 
@@ -18,11 +18,7 @@ pub struct SourceArguments {
     /// (the kind bicycle of --mix). Default: 1
     #[arg(long, value_name = "PART", value_parser = ranged("pedestrians", ""))]
     pedestrians: Option<f64>,
-    /// Shares of kinds of people, as in adult=70,child=15,elderly=10,wheelchair=5; they need not sum up to
-    /// 100. Kinds: adult, backpack, bicycle, child, elderly, powered-wheelchair, stroller, suitcase,
-    /// walker, wheelchair, with-child, and those of --custom (docs/people.md). With --leave, each has the
-    /// desired speed of its kind
-    #[arg(long, value_name = "KIND=SHARE", value_delimiter = ',', value_parser = share)]
+    #[arg(long, value_name = "KIND=SHARE", value_delimiter = ',', value_parser = share, help = help_of_mix())]
     mix: Vec<(String, Share)>,
     /// Your own statistics, see below
     #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["ansur_male", "ansur_female", "fixed"])]
@@ -37,6 +33,16 @@ pub struct SourceArguments {
     /// example 49,25,1.75,70 or 45,24,1.63,67,female
     #[arg(long, value_name = "MEASURES", value_parser = fixed, allow_hyphen_values = true)]
     fixed: Option<Person>,
+}
+
+fn help_of_mix() -> String {
+    let kinds = Kinds::built_in().expect("the table is read by tests");
+    let kinds: Vec<&str> = kinds.iter().map(|kind| &*kind.name).collect();
+    format!(
+        "Shares of kinds of people, as in adult=70,child=15,elderly=10,wheelchair=5; they need not sum up to 100. Kinds: \
+         {}, and those of --custom (docs/people.md). With --leave, each has the desired speed of its kind",
+        kinds.join(", ")
+    )
 }
 
 pub const CUSTOM_HELP: &str = include_str!("../help/custom.txt");

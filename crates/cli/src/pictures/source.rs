@@ -13,18 +13,17 @@ use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
 use lemons_decision::Plan;
 use lemons_master::{PlanChoice, RunSettings, TrialInput, plan_of};
 pub use lemons_results::KeptFrames;
-use lemons_results::{Frame, Record, Run};
+use lemons_results::{Frame, READ, Record, Run};
 use lemons_sim::{Algorithm, Clock, Documents, Simulation, Until};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 #[derive(clap::Args)]
 pub struct RunSource {
-    /// A Trial or an FMU, which is simulated first, as by lemons run; or the results of an earlier run:
-    /// its table, or an OutputDirectory of XML files; or trajectories of an experiment or of another
-    /// simulator: JuPedSim's SQLite, text as PedPy reads it, or tables of SUMO, Vadere, Viswalk, Pathfinder
-    /// or crowd:it
-    #[arg(value_name = "TRIAL, FILE.fmu, TABLE or SERIES")]
+    #[arg(value_name = "TRIAL, FILE.fmu, TABLE or SERIES", help = format!(
+        "A Trial or an FMU, which is simulated first, as by lemons run; or the results of an earlier run: its table, or \
+         an OutputDirectory of XML files; or trajectories of an experiment or of another simulator: {READ}"
+    ))]
     pub path: PathBuf,
     /// Tables of the runs that went on from there (lemons run --resume), in the order of time
     #[arg(value_name = "MORE TABLES")]

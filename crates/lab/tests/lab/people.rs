@@ -264,7 +264,7 @@ fn a_mix_of_kinds_is_drawn_shown_kept_and_walks_at_its_own_speeds() {
     // All kinds, with a picture of each.
     let (kinds, _) = ok(&mut lab, json!({"ask": "kinds"}));
     let kinds = kinds.as_array().unwrap();
-    assert_eq!(kinds.len(), 11);
+    assert_eq!(kinds.len(), lemons_people::Kinds::built_in().unwrap().iter().count());
     assert!(kinds.iter().all(|kind| kind["disks"].as_array().unwrap().len() >= 5));
     assert_eq!(kinds.iter().filter(|kind| !kind["seated"].is_null()).count(), 3);
 }

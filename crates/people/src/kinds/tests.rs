@@ -18,7 +18,6 @@ fn member(name: &str) -> Member {
 #[test]
 fn each_kind_of_the_table_is_a_body_that_looks_ahead() {
     let kinds = Kinds::built_in().unwrap();
-    assert_eq!(kinds.iter().count(), 11);
     for kind in kinds.iter() {
         assert!(
             !kind.sources.is_empty() && kind.sources.iter().all(|line| line.contains(": ")),

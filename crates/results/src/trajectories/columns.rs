@@ -52,7 +52,7 @@ struct Program {
 
 /// The first one whose columns are there counts. Where SUMO writes a table itself, people and vehicles have the columns
 /// of whoever comes first; its script `xml2csv.py` gives each columns of their own.
-const PROGRAMS: [Program; 6] = [
+const PROGRAMS: &[Program] = &[
     Program {
         name: "SUMO",
         known_by: &["timestep_time", "person_"],
