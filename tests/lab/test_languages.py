@@ -157,7 +157,7 @@ MESSAGES = [
     ("{count} people do not fit on {area:.2} m² without overlap; about {about} of them do, {clear:.1} per m²", [3000, "16.00", 89, "5.6"]),
     ("{all} people: the number must be 1 to {most}", [9000, 5000]),
     ("{people} people are too many for a page: at most {MOST_PEOPLE}", [30000, 20000]),
-    ("round bodies are of adults with nothing: take no mix of kinds, or no round bodies", []),
+    ("round bodies are of adults with nothing: take no mix of kinds and no bicycles, or no round bodies", []),
     ("the mix of kinds", []),
     ("the shares must sum up to more than 0", []),
     ("the region where people are placed", []),
