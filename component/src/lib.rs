@@ -16,7 +16,7 @@ use fmi::fmi3::types::{
 use lemons_fmi::boundary::Log;
 use lemons_fmi::lifecycle::{Function, Phase};
 use lemons_fmi::location::Location;
-use lemons_fmi::variables::{Number, BaseType};
+use lemons_fmi::variables::{BaseType, Number};
 use lemons_fmi::{Answer, Model, Refusal, Slave, Version, refuse};
 use std::cell::RefCell;
 
