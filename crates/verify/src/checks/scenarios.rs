@@ -28,6 +28,7 @@ macro_rules! files_of {
         &[$(($file, include_bytes!(concat!("../../../../", $trial, "/", $file)).as_slice())),*]
     };
 }
+#[cfg(feature = "bench")]
 pub(crate) use files_of;
 
 const SCENARIOS: [(&str, &Files); 8] = [
