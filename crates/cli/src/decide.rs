@@ -14,10 +14,10 @@ use std::path::PathBuf;
 const SHORTEST: &str = "  desired_speed = 1.34
   waypoints = [{ x = 6.0, y = 2.5 }]";
 
-const WISHES: &str = include_str!("help/decide.txt");
+const DECISION_HELP: &str = include_str!("help/decide.txt");
 
 #[derive(clap::Args)]
-#[command(after_help = WISHES)]
+#[command(after_help = DECISION_HELP)]
 pub struct Arguments {
     /// The Trial whose people are driven: its directory, or a zip of it
     #[arg(value_name = "TRIAL")]
