@@ -7,12 +7,12 @@ use super::body_kinematics::BodyKinematics;
 use super::broad_phase::{CellGrid, Crowded, NearMargin, PairLimit, list};
 use super::circle::Circle;
 use super::contact_geometry::Instant;
-use super::contacts::{Impulse, Load, OutgoingLoad, SpringUpdate, Sums, WallForce};
-use super::exposure::{ExposureSum, FaceSum};
+use super::contacts::{Impulse, Load, OnWall, OutgoingLoad, SpringUpdate, Sums, WallForce};
+use super::exposure::{ExposureSum, Exposures, FaceSum};
 use super::near_pairs::{Candidates, FIRST_EVALUATION, NearPairs};
 use super::report::ContactReport;
 use super::wall_contacts::WallContacts;
-use super::{Pose, Scene, State, Threads, Twist, Work};
+use super::{ContactDisk, Pair, Pose, Scene, State, Threads, Twist, Work};
 
 /// Number of bodies of a block. It is large enough that few pairs connect two blocks and that giving it to a thread is
 /// cheap, and small enough that a crowd of a thousand can be shared. It affects the last digits of results.
@@ -53,6 +53,8 @@ pub(super) struct Blocks {
     pub by_walls: Vec<f64>,
     /// For each face the sums since then.
     pub faces: Vec<FaceSum>,
+    /// The same for each panel.
+    pub panels: Vec<FaceSum>,
     /// Loads by the contacts: of all bodies if several threads work, else of one block at a time, so that they stay in
     /// the cache.
     loads: Vec<Load>,
@@ -90,6 +92,7 @@ impl Blocks {
             flown: vec![Flown::default(); bodies],
             by_walls: vec![0.0; bodies],
             faces: vec![FaceSum::default(); scene.faces.len()],
+            panels: vec![FaceSum::default(); scene.panels.count()],
             loads: vec![Load::default(); bodies],
             evaluation: FIRST_EVALUATION,
         }
@@ -109,6 +112,7 @@ impl Blocks {
         // Already zero, unless a panic was caught.
         self.loads.fill(Load::default());
         self.faces.fill(FaceSum::default());
+        self.panels.fill(FaceSum::default());
         for block in &mut self.blocks {
             block.pairs.clear();
             // Already empty, unless a panic was caught.
@@ -182,7 +186,7 @@ impl Blocks {
         let before = self.evaluation;
         // 32 bits, so that a spring has 32 bytes. A communication step has fewer mechanical steps (`MOST_STEPS`).
         self.evaluation += 1;
-        let Blocks { blocks, kinematics, flown, by_walls, faces, loads, .. } = self;
+        let Blocks { blocks, kinematics, flown, by_walls, faces, panels, loads, .. } = self;
         if threads.count() == 1 {
             for k in 0..blocks.len() {
                 let of_block = k * BLOCK..kinematics.len().min((k + 1) * BLOCK);
@@ -216,7 +220,10 @@ impl Blocks {
                 block.result = then(k, Bodies { start: k * BLOCK, kinematics, flown, loads, impulses });
             });
         }
-        add_faces(blocks, faces, duration);
+        add_faces(blocks, faces, duration, |on_wall| Some(on_wall.face.index()));
+        if !panels.is_empty() {
+            add_faces(blocks, panels, duration, |on_wall| Some(on_wall.panel?.index()));
+        }
         blocks.iter().map(|block| block.result).fold(0.0, f64::max)
     }
 
@@ -232,6 +239,26 @@ impl Blocks {
     pub fn report(&self, scene: &Scene) -> ContactReport {
         let instant = Instant { scene, kinematics: &self.kinematics, before: self.evaluation };
         instant.report(self.blocks.iter().map(|block| &block.pairs))
+    }
+
+    /// Returns the exposures over a duration \[s\], from the sums and the contacts at its end.
+    pub fn exposures(&self, scene: &Scene, duration: f64, contacts: &ContactReport) -> Exposures {
+        let bodies = self.flown.iter().zip(&self.by_walls).zip(&contacts.bodies);
+        let bodies = bodies.map(|((of, by_walls), end)| of.exposure_sum.exposure(duration, *by_walls, end));
+        let mut faces = vec![0.0; self.faces.len()];
+        let mut panels = vec![0.0; self.panels.len()];
+        for contact in &contacts.contacts {
+            let Pair::Face { disk, face, .. } = contact.pair else { continue };
+            faces[face.index()] += contact.normal_force.abs();
+            let ContactDisk { body, offset, .. } = scene.disks[disk.index()];
+            let centre = self.kinematics[body.index()].centre(offset);
+            if let Some(panel) = scene.panels.nearest(&scene.faces, face, centre) {
+                panels[panel.index()] += contact.normal_force.abs();
+            }
+        }
+        let faces = self.faces.iter().zip(faces).map(|(sum, end)| sum.exposure(duration, end));
+        let panels = self.panels.iter().zip(panels).map(|(sum, end)| sum.share(duration, end));
+        Exposures { bodies: bodies.collect(), faces: faces.collect(), panels: panels.collect() }
     }
 
     /// Returns the work since the last call.
@@ -264,7 +291,7 @@ impl Block {
     /// Adds the impulses by walls of this instant, which counts for a `duration` \[s\], to those of its bodies. The sums
     /// have the order of [`ExposureSum`], so that the two are the same for a body that touches only walls.
     fn add_walls(&self, start: usize, by_walls: &mut [f64], duration: f64) {
-        for impulse in self.impulses.iter().filter(|impulse| impulse.face.is_some()) {
+        for impulse in self.impulses.iter().filter(|impulse| impulse.on_wall.is_some()) {
             by_walls[impulse.body.index() - start] += impulse.squeeze;
         }
         for of_body in self.wall_forces.chunk_by(|one, next| one.body == next.body) {
@@ -274,18 +301,25 @@ impl Block {
     }
 }
 
-/// Adds the forces and impulses on faces at this instant, which counts for a `duration` \[s\], in the order of blocks.
-fn add_faces(blocks: &[Block], faces: &mut [FaceSum], duration: f64) {
-    for force in blocks.iter().flat_map(|block| &block.wall_forces) {
-        faces[force.face.index()].add(force.squeeze);
+/// Adds the forces and impulses on walls at this instant, which counts for a `duration` \[s\], to the sums of their faces or
+/// panels, in the order of blocks.
+fn add_faces(
+    blocks: &[Block],
+    sums: &mut [FaceSum],
+    duration: f64,
+    place: impl Fn(&OnWall) -> Option<usize>,
+) {
+    let forces = || blocks.iter().flat_map(|block| &block.wall_forces);
+    for (force, k) in forces().filter_map(|force| Some((force, place(&force.on_wall)?))) {
+        sums[k].add(force.squeeze);
     }
-    for force in blocks.iter().flat_map(|block| &block.wall_forces) {
-        // For a face with several contacts the further ones add nothing.
-        faces[force.face.index()].end_instant(duration);
+    for k in forces().filter_map(|force| place(&force.on_wall)) {
+        // Where there are several contacts the further ones add nothing.
+        sums[k].end_instant(duration);
     }
     for impulse in blocks.iter().flat_map(|block| &block.impulses) {
-        if let Some(face) = impulse.face {
-            faces[face.index()].add_impulse(impulse);
+        if let Some(k) = impulse.on_wall.as_ref().and_then(&place) {
+            sums[k].add_impulse(impulse);
         }
     }
 }

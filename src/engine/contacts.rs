@@ -6,7 +6,7 @@ use super::contact_law::{Relaxation, SpringHistory, normal_force, react};
 use super::near_pairs::{AT_ONCE, DiskPair, FacePair, NearPairs, Overlapping, Separation, Spring};
 use super::overlap::{Proximity, proximity};
 use super::wall_contacts::WallContacts;
-use super::{BodyId, FaceId, PairLaw, Regime, Scene, Wrench};
+use super::{BodyId, FaceId, PairLaw, PanelId, Regime, Scene, Wrench};
 use lemons_core::plane::InPlane;
 
 /// How an evaluation changes the springs.
@@ -110,8 +110,8 @@ pub(super) struct OutgoingLoad {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Impulse {
     pub body: BodyId,
-    /// The face, of a contact with a wall.
-    pub face: Option<FaceId>,
+    /// Of a contact with a wall.
+    pub on_wall: Option<OnWall>,
     /// \[N.s\], \[N.m.s\]
     pub wrench: Wrench,
     /// \[N.s\] of |F_n|.
@@ -120,11 +120,19 @@ pub(super) struct Impulse {
     pub peak: f64,
 }
 
+/// The place of a contact on a wall.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OnWall {
+    pub face: FaceId,
+    /// The panel, if the face has some.
+    pub panel: Option<PanelId>,
+}
+
 /// The normal force of a contact with a wall.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WallForce {
     pub body: BodyId,
-    pub face: FaceId,
+    pub on_wall: OnWall,
     /// \[N\] |F_n|.
     pub squeeze: f64,
 }
@@ -133,7 +141,7 @@ pub(super) struct WallForce {
 #[derive(Debug, Clone, Copy)]
 enum Other {
     Body(BodyId),
-    Face(FaceId),
+    Wall(OnWall),
 }
 
 /// The sums of an evaluation for the bodies of a block.
@@ -162,7 +170,7 @@ impl Sums<'_> {
         self.give(receiver, Load { wrench: force.on_receiver(vector), squeeze, depth });
         match other {
             Other::Body(giver) => self.give(giver, Load { wrench: force.on_giver(vector), squeeze, depth }),
-            Other::Face(face) => self.wall_forces.push(WallForce { body: receiver, face, squeeze }),
+            Other::Wall(on_wall) => self.wall_forces.push(WallForce { body: receiver, on_wall, squeeze }),
         }
     }
 
@@ -200,13 +208,14 @@ impl Sums<'_> {
     ) {
         let ImpulseCorrection { normal, tangential, squeeze, peak } = *by;
         let impulse = force.overlap.normal * normal + force.overlap.normal.left() * tangential;
-        let (face, giver) = match other {
-            Other::Face(face) => (Some(face), None),
+        let (on_wall, giver) = match other {
+            Other::Wall(on_wall) => (Some(on_wall), None),
             Other::Body(body) => (None, Some(body)),
         };
-        let on_receiver = Impulse { body: receiver, face, wrench: force.on_receiver(impulse), squeeze, peak };
+        let on_receiver =
+            Impulse { body: receiver, on_wall, wrench: force.on_receiver(impulse), squeeze, peak };
         let on_giver =
-            giver.map(|body| Impulse { body, face, wrench: force.on_giver(impulse), squeeze, peak });
+            giver.map(|body| Impulse { body, on_wall, wrench: force.on_giver(impulse), squeeze, peak });
         for impulse in [Some(on_receiver), on_giver].into_iter().flatten() {
             let inside = impulse.body.index() - self.start < self.loads.len();
             let impulses = if inside { &mut *self.impulses } else { &mut *self.outgoing_impulses };
@@ -300,6 +309,8 @@ impl Instant<'_> {
     ) {
         let (scene, body) = (self.scene, self.scene.body_of(pairs[0].disk));
         let disk = self.circle(&pairs[0]);
+        let on_wall =
+            |face| Other::Wall(OnWall { face, panel: scene.panels.nearest(&scene.faces, face, disk.centre) });
         walls.find(scene, pairs, disk, self.kinematics[body.index()].position);
         for contact in walls.found().iter().filter(|contact| contact.overlap.depth > 0.0) {
             let k = contact.place;
@@ -309,7 +320,7 @@ impl Instant<'_> {
             }
             sums.work.contacts += 1;
             let geometry = self.face_geometry(&pairs[k], contact.overlap, contact.part);
-            let face = Other::Face(pairs[k].face);
+            let face = on_wall(pairs[k].face);
             let from = walls.keeps(scene, pairs, springs, contact, disk.centre, self.before);
             match (from, update) {
                 (Some(from), SpringUpdate::Over(step))
@@ -319,7 +330,7 @@ impl Instant<'_> {
                 {
                     let [ended, began] = passed;
                     springs[from] = Spring::RELAXED;
-                    sums.add_impulse(body, Other::Face(pairs[from].face), &ended);
+                    sums.add_impulse(body, on_wall(pairs[from].face), &ended);
                     springs[k] = sums.begin(body, face, geometry.law, began, self.before + 1);
                 }
                 (None, SpringUpdate::Over(step)) => {
@@ -346,7 +357,7 @@ impl Instant<'_> {
         for (k, spring) in springs.iter().enumerate().filter(|(_, spring)| spring.touched_at == self.before) {
             let held = walls.found().iter().find(|contact| contact.place == k);
             if let Some(ended) = self.face_ended(&pairs[k], held, spring, step.dt) {
-                sums.add_impulse(body, Other::Face(pairs[k].face), &ended);
+                sums.add_impulse(body, on_wall(pairs[k].face), &ended);
             }
         }
     }

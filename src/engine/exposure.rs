@@ -84,7 +84,7 @@ impl ExposureSum {
     }
 }
 
-/// Effects of the bodies on a face of a wall during the last communication step; before the first step, at the start.
+/// Effects of the bodies on a face of a wall, or on a panel, during the last communication step; before the first step, at the start.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct FaceExposure {
     /// \[N\] time average of the sum of |F_n| over its contacts, with those of [`Exposure::mean_wall_force`].
@@ -96,9 +96,38 @@ pub struct FaceExposure {
 impl FaceExposure {
     /// Returns the exposure over a time of two parts, as [`Exposure::and`].
     pub(super) fn and(&self, before: f64, after: &FaceExposure, duration: f64) -> FaceExposure {
-        let peak_force = self.peak_force.max(after.peak_force);
         let mean_force = mean_of_both([self.mean_force, after.mean_force], [before, duration]);
-        FaceExposure { mean_force: mean_force.min(peak_force), peak_force }
+        FaceExposure { mean_force, peak_force: self.peak_force.max(after.peak_force) }
+    }
+}
+
+/// What the contacts did in the last communication step.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Exposures {
+    /// One for each body.
+    pub bodies: Vec<Exposure>,
+    /// One for each face.
+    pub faces: Vec<FaceExposure>,
+    /// One for each panel.
+    pub panels: Vec<FaceExposure>,
+}
+
+impl Exposures {
+    /// Returns the numbers of bodies, faces and panels.
+    pub fn counts(&self) -> [usize; 3] {
+        [self.bodies.len(), self.faces.len(), self.panels.len()]
+    }
+
+    /// Adds those of the time before: makes them of both, `so_far` \[s\] and then `duration` \[s\].
+    pub(super) fn come_after(&mut self, so_far: f64, before: &Exposures, duration: f64) {
+        let both = self.bodies.iter_mut().zip(&before.bodies);
+        both.for_each(|(last, before)| *last = before.and(so_far, last, duration));
+        for (last, before) in self.faces.iter_mut().zip(&before.faces) {
+            *last = before.and(so_far, last, duration);
+            last.mean_force = last.mean_force.min(last.peak_force);
+        }
+        let both = self.panels.iter_mut().zip(&before.panels);
+        both.for_each(|(last, before)| *last = before.and(so_far, last, duration));
     }
 }
 
@@ -138,6 +167,13 @@ impl FaceSum {
         // Of many bodies the sum might be beyond all numbers.
         let peak_force = self.peak_force.max(end).min(f64::MAX);
         FaceExposure { mean_force: mean(self.impulse, duration, end, peak_force), peak_force }
+    }
+
+    /// Returns the same of a panel. Its mean may be slightly below zero or above the peak, where a disk goes to another panel
+    /// within the mechanical step in which its contact begins or ends: so panels add up to their face.
+    pub fn share(&self, duration: f64, end: f64) -> FaceExposure {
+        let mean_force = if duration > 0.0 { self.impulse / duration } else { end };
+        FaceExposure { mean_force, ..self.exposure(duration, end) }
     }
 }
 

@@ -43,6 +43,10 @@ index!(
     FaceId
 );
 index!(
+    /// Index of a panel; panels are grouped by face.
+    PanelId
+);
+index!(
     /// Index of a corner, which the faces that meet there share.
     CornerId
 );

@@ -3,6 +3,7 @@
 use super::circle::Circle;
 use super::face::{Along, Continuation, Face, nearest_on_face};
 use super::face_grid::FaceGrid;
+use super::panels::Panels;
 use super::{BodyId, CornerId, DiskId, FaceId, InPlane, LineId, Vec2, WallId, rotation};
 use lemons_core::plane::{shown_orientation, vec2};
 use std::collections::HashMap;
@@ -190,6 +191,7 @@ pub struct Scene {
     pub doubled: Vec<(FaceId, FaceId)>,
     laws: LawTable,
     pub(super) face_grid: FaceGrid,
+    pub(super) panels: Panels,
 }
 
 impl Scene {
@@ -207,6 +209,7 @@ impl Scene {
             doubled: Vec::new(),
             laws,
             face_grid: FaceGrid::default(),
+            panels: Panels::default(),
         };
         let mut flyers = HashMap::new();
         for spec in bodies {
@@ -214,6 +217,13 @@ impl Scene {
         }
         scene.add_walls(&vec![true; walls.len()]);
         scene
+    }
+
+    /// Divides the faces of walls into panels, for [`World::panel_exposures`](super::World::panel_exposures). `longest` \[m\]
+    /// is the length of the longest panel of each wall, if it has some.
+    pub fn with_panels(self, longest: &[Option<f64>]) -> Scene {
+        assert_eq!(longest.len(), self.walls.len(), "one for each wall");
+        Scene { panels: Panels::new(&self.faces, longest), ..self }
     }
 
     /// Returns the scene with only some of its walls. Faces keep their numbers. Those of a wall that is absent touch

@@ -1,6 +1,5 @@
 //! The world owns scene, drive and state, and advances them in time.
 
-use super::blocks::Blocks;
 use super::broad_phase::{CellGrid, Crowded, NearMargin, SKIN};
 use super::circle::Circle;
 use super::contacts::{SpringUpdate, Step};
@@ -10,7 +9,7 @@ use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
 use super::{
-    Body, BodyId, DiskId, Exposure, FaceExposure, InPlane, Pair, Scene, Shortlisting, State, Threads,
+    Body, BodyId, DiskId, Exposure, Exposures, FaceExposure, InPlane, Scene, Shortlisting, State, Threads,
     ThreadsError, Vec2, WallId, Work, Wrench,
 };
 use lemons_core::plane::body_meets;
@@ -107,8 +106,7 @@ pub struct World {
     /// Number of communication steps that several threads have shared.
     shared: u64,
     contacts: ContactReport,
-    exposures: Vec<Exposure>,
-    face_exposures: Vec<FaceExposure>,
+    exposures: Exposures,
     work: Work,
     scratch: Scratch,
 }
@@ -135,8 +133,7 @@ impl World {
             threads: Threads::default(),
             shared: 0,
             contacts: ContactReport::default(),
-            exposures: Vec::new(),
-            face_exposures: Vec::new(),
+            exposures: Exposures::default(),
             work: Work::default(),
             state: State::default(),
             scene,
@@ -189,12 +186,12 @@ impl World {
         assert_eq!(present.len(), self.present_walls.len(), "one for each wall");
         let scene = self.scene.with_walls(present);
         let before = std::mem::replace(&mut self.scene, scene);
-        let (exposures, of_faces) = (self.exposures.clone(), self.face_exposures.clone());
+        let exposures = self.exposures.clone();
         if let Err(crowded) = self.restore(self.state.clone()) {
             self.scene = before;
             return Err(crowded);
         }
-        (self.exposures, self.face_exposures) = (exposures, of_faces);
+        self.exposures = exposures;
         self.present_walls.copy_from_slice(present);
         Ok(())
     }
@@ -270,18 +267,29 @@ impl World {
 
     /// Returns what the contacts did to each body during the last communication step.
     pub fn exposures(&self) -> &[Exposure] {
-        &self.exposures
+        &self.exposures.bodies
     }
 
     /// Returns what bodies did to each face of a wall in the last communication step. A corner belongs to the face that
     /// has the contact in [`World::contacts`].
     pub fn face_exposures(&self) -> &[FaceExposure] {
-        &self.face_exposures
+        &self.exposures.faces
+    }
+
+    /// Returns the same of each panel of the walls that have some ([`Scene::with_panels`]), from the start of a wall to its
+    /// end. A contact belongs to the panel of its face that is nearest to the disk's centre.
+    pub fn panel_exposures(&self) -> &[FaceExposure] {
+        &self.exposures.panels
+    }
+
+    /// Returns what the contacts did in the last communication step, to save it.
+    pub fn all_exposures(&self) -> &Exposures {
+        &self.exposures
     }
 
     /// \[m\] the deepest overlap during the last communication step; zero without contacts.
     pub fn largest_overlap(&self) -> f64 {
-        self.exposures.iter().map(|exposure| exposure.peak_overlap).fold(0.0, f64::max)
+        self.exposures().iter().map(|exposure| exposure.peak_overlap).fold(0.0, f64::max)
     }
 
     /// Work done since the world was made.
@@ -320,28 +328,20 @@ impl World {
         blocks.take_work();
         self.contacts = blocks.report(scene);
         // As after a step of duration zero.
-        self.exposures = exposures(blocks, 0.0, &self.contacts);
-        self.face_exposures = face_exposures(blocks, 0.0, &self.contacts);
+        self.exposures = blocks.exposures(scene, 0.0, &self.contacts);
         blocks.store(&mut state);
         self.state = state;
         Ok(())
     }
 
-    /// Like [`World::restore`], with the exposures of the step that ended in this state, one for each body and one for
-    /// each face.
+    /// Like [`World::restore`], with the exposures of the step that ended in this state, one for each body, face and panel.
     ///
     /// # Errors
     /// Those of [`World::restore`].
-    pub fn restore_with(
-        &mut self,
-        state: State,
-        exposures: Vec<Exposure>,
-        of_faces: Vec<FaceExposure>,
-    ) -> Result<(), Crowded> {
-        assert_eq!(exposures.len(), self.scene.bodies.len(), "one exposure for each body");
-        assert_eq!(of_faces.len(), self.scene.faces.len(), "one exposure for each face");
+    pub fn restore_with(&mut self, state: State, exposures: Exposures) -> Result<(), Crowded> {
+        assert_eq!(exposures.counts(), self.exposures.counts(), "one exposure for each body, face and panel");
         self.restore(state)?;
-        (self.exposures, self.face_exposures) = (exposures, of_faces);
+        self.exposures = exposures;
         Ok(())
     }
 
@@ -384,20 +384,15 @@ impl World {
         if let Some(body) = contacts.not_finite(&self.scene) {
             return Err(AdvanceError::NotFinite { body });
         }
-        let mut exposures = exposures(&self.scratch.blocks, duration, &contacts);
-        let mut of_faces = face_exposures(&self.scratch.blocks, duration, &contacts);
+        let mut exposures = self.scratch.blocks.exposures(&self.scene, duration, &contacts);
         if so_far > 0.0 {
-            let both = exposures.iter_mut().zip(&self.exposures);
-            both.for_each(|(last, before)| *last = before.and(so_far, last, duration));
-            let both = of_faces.iter_mut().zip(&self.face_exposures);
-            both.for_each(|(last, before)| *last = before.and(so_far, last, duration));
+            exposures.come_after(so_far, &self.exposures, duration);
         }
-        if let Some(b) = exposures.iter().position(|exposure| !exposure.is_finite()) {
+        if let Some(b) = exposures.bodies.iter().position(|exposure| !exposure.is_finite()) {
             return Err(AdvanceError::NotFinite { body: BodyId::from(b) });
         }
         self.contacts = contacts;
         self.exposures = exposures;
-        self.face_exposures = of_faces;
         self.state = state;
         Ok(())
     }
@@ -430,23 +425,6 @@ impl World {
         self.work = [self.work, self.scratch.blocks.take_work()].into_iter().sum();
         state
     }
-}
-
-/// The exposures over a duration \[s\], from the sums and the contacts at its end.
-fn exposures(blocks: &Blocks, duration: f64, contacts: &ContactReport) -> Vec<Exposure> {
-    let bodies = blocks.flown.iter().zip(&blocks.by_walls).zip(&contacts.bodies);
-    bodies.map(|((flown, by_walls), body)| flown.exposure_sum.exposure(duration, *by_walls, body)).collect()
-}
-
-/// The same of the faces of walls.
-fn face_exposures(blocks: &Blocks, duration: f64, contacts: &ContactReport) -> Vec<FaceExposure> {
-    let mut at_end = vec![0.0; blocks.faces.len()];
-    for contact in &contacts.contacts {
-        if let Pair::Face { face, .. } = contact.pair {
-            at_end[face.index()] += contact.normal_force.abs();
-        }
-    }
-    blocks.faces.iter().zip(at_end).map(|(sum, end)| sum.exposure(duration, end)).collect()
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::output::make_directory;
 use super::packed::{Drive, Packed};
 use super::running::give_threads;
 use super::settings::Settings;
-use crate::engine::{BodyId, Exposure, FaceExposure, State, World, Wrench};
+use crate::engine::{BodyId, Exposure, Exposures, FaceExposure, State, World, Wrench};
 use crate::quantities::{CrowdQuantity, shared};
 use crate::setup::Setup;
 use lemons_core::plane::InPlane;
@@ -37,8 +37,7 @@ struct Running {
     present_walls: Vec<bool>,
     state: State,
     /// Outputs; the future does not depend on them.
-    exposures: Vec<Exposure>,
-    face_exposures: Vec<FaceExposure>,
+    exposures: Exposures,
 }
 
 impl CrowdModel {
@@ -59,8 +58,7 @@ impl CrowdModel {
                 present: world.present().to_vec(),
                 present_walls: world.present_walls().to_vec(),
                 state: world.state().clone(),
-                exposures: world.exposures().to_vec(),
-                face_exposures: world.face_exposures().to_vec(),
+                exposures: world.all_exposures().clone(),
             }),
         }
     }
@@ -115,10 +113,7 @@ impl CrowdModel {
                 if running.present_walls != world.present_walls() {
                     world.set_present_walls(&running.present_walls).or_else(crowded)?;
                 }
-                let of_faces = running.face_exposures.clone();
-                world
-                    .restore_with(running.state.clone(), running.exposures.clone(), of_faces)
-                    .or_else(crowded)?;
+                world.restore_with(running.state.clone(), running.exposures.clone()).or_else(crowded)?;
                 world.drive.clone_from(&running.drive);
                 Some(world)
             }
@@ -150,8 +145,7 @@ fn check_running(world: &World, trial: &Trial, running: &Running) -> Answer<()> 
             .iter()
             .zip(&trial.geometry.walls)
             .all(|(there, wall)| *there || wall.open.is_some())
-        && running.exposures.len() == bodies
-        && running.face_exposures.len() == faces
+        && running.exposures.counts() == world.all_exposures().counts()
         && state.disk_springs.iter().all(|s| s.first.index() < disks && s.second.index() < disks)
         && state.face_springs.iter().all(|s| s.disk.index() < disks && s.face.index() < faces);
     if !fits {
@@ -165,8 +159,9 @@ fn check_running(world: &World, trial: &Trial, running: &Running) -> Answer<()> 
     };
     let pressed = |of: &FaceExposure| [of.mean_force, of.peak_force].into_iter().all(positive);
     let finite = running.drive.iter().all(finite)
-        && running.exposures.iter().all(exposed)
-        && running.face_exposures.iter().all(pressed)
+        && running.exposures.bodies.iter().all(exposed)
+        && running.exposures.faces.iter().all(pressed)
+        && running.exposures.panels.iter().all(|of| of.mean_force.is_finite() && positive(of.peak_force))
         && state.poses.iter().all(|pose| pose.position.is_finite() && pose.orientation.is_finite())
         && state.twists.iter().all(|twist| twist.velocity.is_finite() && twist.angular_velocity.is_finite())
         && state.disk_springs.iter().all(|spring| spring.elongation.is_finite())

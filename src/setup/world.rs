@@ -111,7 +111,8 @@ impl Setup<'_> {
             };
             laws.set(pair.0, pair.1, law);
         }
-        Ok(Scene::new(&bodies, &walls, laws))
+        let longest: Vec<_> = self.geometry.walls.iter().map(|wall| wall.panel_length).collect();
+        Ok(Scene::new(&bodies, &walls, laws).with_panels(&longest))
     }
 
     /// Returns the state in `AgentDynamics.xml`, with the springs of `AgentInteractions.xml`.

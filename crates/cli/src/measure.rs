@@ -18,8 +18,7 @@ use crate::record::{area, area_of_heads};
 use crate::run::until;
 use crate::values::{number, positive, seconds};
 use anyhow::{Context, Result, bail};
-use crowd_mechanics::quantities::segments;
-use lemons_core::trial::{Rule, Trial};
+use lemons_core::trial::{PANEL_LENGTH, Rule, Trial};
 use lemons_decision::Plan;
 use lemons_results::measure::{CountingLine, MeasuringArea, VoronoiRoom};
 use lemons_results::{LEANING, Record};
@@ -66,10 +65,13 @@ pub struct Arguments {
     /// which single collisions count
     #[arg(long, value_name = "SECONDS", requires = "above", value_parser = positive)]
     over: Option<f64>,
-    /// Measure the forces on each straight piece of the walls, too: of a Trial or an FMU, which is simulated
-    /// first
+    /// Measure the loads on the walls and on their panels, too: of a Trial or an FMU, which is simulated first
     #[arg(long)]
     walls: bool,
+    /// Length of the longest panel of the walls of a Trial, in metres. Default: what its Geometry.xml says,
+    /// else 0.5. An FMU has the panels of its own Trial; without any, each straight piece is one
+    #[arg(long, value_name = "METRES", requires = "walls", value_parser = positive)]
+    panel_length: Option<f64>,
     /// Measure from this time on, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     from: Option<f64>,
@@ -130,8 +132,7 @@ pub fn measured(arguments: &mut Arguments) -> Result<MeasuredRun> {
     let (trial, record) = source.record_of(source.end(arguments.until)?, &interrupt)?;
     let has_areas = !arguments.areas.is_empty();
     let room = if has_areas { arguments.room(&record, trial.as_ref())? } else { None };
-    let pieces: Vec<_> = trial.iter().flat_map(segments).collect();
-    let mut summary = pass::pass(arguments, &record, room.as_ref(), &pieces, &interrupt)?;
+    let mut summary = pass::pass(arguments, &record, room.as_ref(), trial.as_ref(), &interrupt)?;
     let RunSummary { from, until, .. } = summary;
     if !arguments.lines.is_empty() && (until - from) / arguments.window > MOST_WINDOWS {
         bail!(Misused(format!("--window: {} s makes more than a million windows", arguments.window)));
@@ -181,6 +182,7 @@ impl Arguments {
             bail!(Misused("--above: must be rising numbers of newtons, as in 1000,2000".into()));
         }
         self.source.end(self.until)?;
+        self.source.panel_length = self.walls.then(|| self.panel_length.unwrap_or(PANEL_LENGTH));
         if let (Some(from), Some(until)) = (self.from, self.until.and_then(Until::time))
             && from >= until
         {

@@ -33,6 +33,8 @@ pub struct RunSettings {
     pub drive: DriveChoice,
     /// Where a Trial's people walk: then the input is coupled like an SSP of the components `decision` and `crowd`.
     pub plan: PlanChoice,
+    /// \[m\] Length of the longest panel of the walls of a Trial that have none, for loads.
+    pub panel_length: Option<f64>,
     /// How coupled components exchange values.
     pub algorithm: Algorithm,
     /// A saved run, which goes on. It contains the parameters and the number of threads.

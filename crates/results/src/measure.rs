@@ -1,6 +1,7 @@
 //! Measures of a run: who crosses a line and when ([`CountingLine`], [`Passages`], [`Flow`]), how dense a crowd is in an
 //! area ([`VoronoiRoom`], [`MeasuringArea`]), how long and how hard people are squeezed ([`SqueezeOverTime`], [`MovingMeans`]) and where
-//! ([`SqueezeMap`]), how people keep their balance ([`BalanceOverTime`]).
+//! ([`SqueezeMap`]), how people keep their balance ([`BalanceOverTime`]), how hard
+//! walls are pressed ([`LoadsOverTime`]).
 //!
 //! Frames are given one after the other, in the order of time; nothing here keeps them. docs/measure.md defines each
 //! number. SI units.
@@ -15,6 +16,7 @@ mod exposure;
 mod flow;
 mod impulses;
 mod leaving;
+mod loads;
 mod passages;
 mod quantile;
 mod summary;
@@ -30,6 +32,7 @@ pub use exposure::{Above, Exposed, SPANS, SqueezeOverTime};
 pub use flow::{Flow, Window, windows};
 pub use impulses::MovingMeans;
 pub use leaving::{LATEST, Leaving, Over, WAITING, Wait};
+pub use loads::{LoadsOverTime, Panel, WallLoad, WallLoads};
 pub use passages::{Passage, Passages};
 pub use quantile::quantile;
 pub use summary::{Crossings, MeanMax};

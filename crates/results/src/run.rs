@@ -35,6 +35,8 @@ pub struct Frame {
     /// Effects of people on each straight piece of the walls, in the order of Geometry.xml, within the communication step
     /// that ends at the time; `None` if the source does not record it.
     pub walls: Option<Vec<OfWall>>,
+    /// The same of each panel of the walls that have some.
+    pub panels: Option<Vec<OfWall>>,
     /// Contacts with their springs; `None` if the source does not record them.
     pub interactions: Option<Interactions>,
     /// Where the frame is in the source, for messages: a line, a row or a file.
@@ -82,7 +84,7 @@ pub struct OfLegs {
     pub fallen: bool,
 }
 
-/// Effects of people on a straight piece of a wall within a communication step. These are outputs of the FMU.
+/// Effects of people on a straight piece of a wall, or on a panel of it, within a communication step. These are outputs of the FMU.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OfWall {
     /// \[N\] time average of the sum of |F_n| over its contacts.

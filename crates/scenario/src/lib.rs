@@ -50,6 +50,7 @@ const RANGES: &[NumberRow] = &[
     ("speed", [0.0, 20.0], |of| of.speed),
     ("friction", [0.0, 2.0], |of| of.friction),
     ("time_step", [1e-6, 1.0], |of| of.time_step),
+    ("panel_length", [0.01, 1e4], |of| of.panel_length),
     ("groups", [0.0, 1.0], |of| of.decision.groups.as_ref()?.share),
 ];
 const ROUND: &str =
@@ -107,6 +108,8 @@ pub struct Scenario {
     pub round: bool,
     /// \[s\] Communication step. If it is not said, 0.01.
     pub time_step: Option<f64>,
+    /// \[m\] Length of the longest panel of the walls, whose loads are outputs. If it is not said, walls have none.
+    pub panel_length: Option<f64>,
     /// \[m/s\] Desired speed of everybody who leaves, instead of the usual one and those of kinds; or the speed that
     /// everybody would reach alone, pushing along the direction.
     pub speed: Option<f64>,

@@ -363,7 +363,11 @@ impl Ready<'_> {
         let Ready { scenario, place, agents, .. } = self;
         let poses = crowd.packing.poses.iter().copied();
         let placed: Vec<(CrowdMember, Pose)> = agents.iter().cloned().zip(poses).collect();
-        let mut trial = crowd_trial(name, &placed, place.geometry.clone(), &scenario.settings())?;
+        let mut geometry = place.geometry.clone();
+        if let Some(longest) = scenario.panel_length {
+            geometry.divide(longest).map_err(|why| impossible(format!("`panel_length`: {why}")))?;
+        }
+        let mut trial = crowd_trial(name, &placed, geometry, &scenario.settings())?;
         if scenario.round {
             for (agent, shape) in trial.agents.iter_mut().zip(&crowd.shapes) {
                 agent.moment_of_inertia = shape.inertia(agent.mass);

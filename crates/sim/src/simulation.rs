@@ -291,6 +291,7 @@ impl Simulation {
             }),
             active: may_leave.then(|| world.present().to_vec()),
             walls: Some(world.face_exposures().iter().map(of_wall).collect()),
+            panels: Some(world.panel_exposures().iter().map(of_wall).collect()),
             place: format!("t = {:?} s", self.time),
             ..Frame::default()
         }

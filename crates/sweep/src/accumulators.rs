@@ -2,6 +2,7 @@
 
 use crate::error::{ErrorPlace, Result};
 use crate::measure::balance::BalanceMeasure;
+use crate::measure::load::LoadMeasure;
 use crate::measure::output::{OfOutput, Statistics};
 use crate::measure::places::{InArea, OverLine, Places};
 use crate::measure::squeeze::SqueezeMeasure;
@@ -11,7 +12,9 @@ use crate::spec::Spec;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;
 use lemons_results::Frame;
-use lemons_results::measure::{BalanceOverTime, Density, MeasuringArea, Passages, SqueezeOverTime};
+use lemons_results::measure::{
+    BalanceOverTime, Density, LoadsOverTime, MeasuringArea, Passages, SqueezeOverTime,
+};
 use lemons_sim::Simulation;
 use std::collections::HashMap;
 
@@ -39,6 +42,7 @@ enum Accumulator<'a> {
     /// And the places of the agents that count.
     Squeeze(&'a SqueezeMeasure, SqueezeOverTime),
     Balance(&'a BalanceMeasure, Vec<usize>, BalanceOverTime),
+    Load(&'a LoadMeasure, LoadsOverTime),
 }
 
 impl<'a> Accumulators<'a> {
@@ -76,6 +80,7 @@ impl<'a> Accumulators<'a> {
                 MeasureKind::Balance(of) => {
                     Accumulator::Balance(of, agents(&of.agents, of.across)?, BalanceOverTime::of(people))
                 }
+                MeasureKind::Load(of) => Accumulator::Load(of, of.begin(&trial.geometry)?),
             })
         };
         let of_each = spec
@@ -114,6 +119,7 @@ impl<'a> Accumulators<'a> {
                 Accumulator::Area(_, area, seen) => seen.push(area.measure(&frame, None)),
                 Accumulator::Balance(_, _, balance) => balance.add(&frame),
                 Accumulator::Squeeze(of, exposure) => exposure.see(&frame, of.by),
+                Accumulator::Load(_, loads) => loads.add(&frame),
             }
         }
         if self.needs_room {
@@ -124,7 +130,7 @@ impl<'a> Accumulators<'a> {
             None => false,
         };
         if kept {
-            self.frames.push(Frame { observed: None, walls: None, legs: None, ..frame });
+            self.frames.push(Frame { observed: None, walls: None, panels: None, legs: None, ..frame });
         }
         Ok(holds)
     }
@@ -148,6 +154,7 @@ impl<'a> Accumulators<'a> {
             Accumulator::Area(of, _, seen) => of.value(seen.iter()),
             Accumulator::Squeeze(of, exposure) => of.value(&exposure),
             Accumulator::Balance(of, agents, balance) => of.value(&agents, balance),
+            Accumulator::Load(of, loads) => of.value(loads),
         });
         Ok(values.collect())
     }

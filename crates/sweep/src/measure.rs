@@ -1,6 +1,7 @@
 //! Measures: the numbers of a run that become columns of the table.
 
 pub(crate) mod balance;
+pub(crate) mod load;
 pub(crate) mod output;
 pub(crate) mod places;
 pub(crate) mod squeeze;
@@ -10,6 +11,7 @@ use crate::points::Points;
 use balance::BalanceMeasure;
 use lemons_core::require;
 use lemons_results::measure::{Across, Kept, within};
+use load::LoadMeasure;
 use output::OfOutput;
 use places::{InArea, OverLine, Places};
 use serde::Serialize;
@@ -41,13 +43,15 @@ pub enum MeasureKind {
     Squeeze(SqueezeMeasure),
     /// `balance`: how people who have legs keep it.
     Balance(BalanceMeasure),
+    /// `load`: how hard people press on walls.
+    Load(LoadMeasure),
 }
 
 /// One of these says what is measured.
-const KINDS: [&str; 5] = ["of", "line", "area", "squeeze", "balance"];
+const KINDS: [&str; 6] = ["of", "line", "area", "squeeze", "balance", "load"];
 
 impl Measure {
-    /// Reads a measure: its key among `of`, `line`, `area`, `squeeze` and `balance` says of which kind it is.
+    /// Reads a measure: its key among [`KINDS`] says of which kind it is.
     ///
     /// # Errors
     /// A sentence with the key that is missing, unknown or of another type.
@@ -59,6 +63,7 @@ impl Measure {
             ["area"] => MeasureKind::Area(value.try_into()?),
             ["squeeze"] => MeasureKind::Squeeze(value.try_into()?),
             ["balance"] => MeasureKind::Balance(value.try_into()?),
+            ["load"] => MeasureKind::Load(value.try_into()?),
             _ => {
                 return Err(format!("must be a table with one of the keys {}", KINDS.join(", ")).into());
             }
@@ -70,6 +75,7 @@ impl Measure {
             MeasureKind::Area(of) => (of.from, of.until),
             MeasureKind::Squeeze(of) => (of.from, of.until),
             MeasureKind::Balance(of) => (of.from, of.until),
+            MeasureKind::Load(of) => (of.from, of.until),
         };
         Ok(Measure { kind, from, until })
     }
@@ -98,6 +104,7 @@ impl Measure {
             MeasureKind::Area(of) => of.check(places),
             MeasureKind::Squeeze(of) => of.check(),
             MeasureKind::Balance(of) => check_number("balance", &of.balance, &Kept::default()),
+            MeasureKind::Load(of) => of.check(),
         }
     }
 }

@@ -3,10 +3,11 @@
 use crate::accumulators::Accumulators;
 use crate::error::{ErrorPlace, Result, SweepError};
 use crate::identity;
+use crate::measure::MeasureKind;
 use crate::models::Models;
 use crate::points::Points;
 use crate::spec::Spec;
-use lemons_core::trial::{Problems, Trial};
+use lemons_core::trial::{PANEL_LENGTH, Problems, Trial};
 use lemons_master::{documents_of, require};
 use lemons_results::Frame;
 use lemons_results::measure::Over;
@@ -145,7 +146,7 @@ impl LoadedModel {
     /// probably not meant.
     fn open(spec: &Spec, place: usize, examines: bool) -> Result<LoadedModel> {
         let (path, plan) = &spec.models.all[place];
-        let (documents, mut problems, walks) = match &spec.population {
+        let (mut documents, mut problems, walks) = match &spec.population {
             Some(population) => {
                 let own = population.at(&spec.points, spec.models.first_point(place));
                 let documents = own.and_then(|own| own.documents()).place(|| "population".into())?;
@@ -170,6 +171,9 @@ impl LoadedModel {
         let end = spec.until.condition(documents.drive.end(), || documents.leaving());
         let end = end.map_err(|nobody| SweepError::Spec(format!("until = \"left\": {nobody}")))?;
         let identity = identity::of_documents(&documents, spec.algorithm, clock.step)?;
+        if spec.measures.iter().any(|(_, measure)| matches!(measure.kind, MeasureKind::Load(_))) {
+            documents.trial.geometry.divide(PANEL_LENGTH).place(|| path.display().to_string())?;
+        }
         let trial = documents.trial.clone();
         let simulation = Simulation::new(documents, spec.algorithm)?;
         check_parameters(&spec.points, &spec.models, &simulation)?;

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 #: Columns that are names, also where they look like numbers.
 NAMES = ("line", "direction", "area", "id", "wall")
-COUNTS = ("n", "people", "segment", "steps", "fallen")
+COUNTS = ("n", "people", "panel", "steps", "fallen")
 
 
 @dataclass(frozen=True)
@@ -40,9 +40,11 @@ class Measures:
     #: For each person: id, time [s], time_above_… [s], longest_above_… [s], largest_mean_… [N], peak [N], impulse [N s], and largest_mean_…_by_people,
     #: impulse_by_walls and so on; no rows if not known.
     people: pd.DataFrame
-    #: With `walls=True`, for each straight piece of a wall: segment, wall (its Id), x1, y1, x2, y2 [m], largest_mean_step and
-    #: largest_mean_1 [N], peak [N], impulse [N s].
+    #: With `walls=True`, for each wall: wall (its Id), length [m], load_step, load_1, load_10, load_peak [N/m], when the means over 1 and 10 s
+    #: and the peak were (load_1_at, load_10_at, load_peak_at [s]), impulse [N s].
     walls: pd.DataFrame
+    #: The same for each panel, after panel, wall, x1, y1, x2, y2 [m].
+    panels: pd.DataFrame
 
     def passages(self, line: str, direction: Literal["right", "left"]) -> npt.NDArray[np.float64]:
         """Returns when people crossed a line for the first time in a direction [s], ascending: N(t) is their number up to t.

@@ -2,27 +2,27 @@
 
 use super::Arguments;
 use super::summary::{
-    BalanceSummary, OfArea, OfLine, OfTrajectories, Piece, QUANTILES, RunSummary, SqueezeSummary,
+    BalanceSummary, OfArea, OfLine, OfTrajectories, QUANTILES, RunSummary, SqueezeSummary, of_walls,
 };
 use crate::interrupt::Interrupt;
 use anyhow::{Result, bail};
-use lemons_core::trial::Wall;
+use lemons_core::trial::Trial;
 use lemons_results::Record;
 use lemons_results::measure::{
-    BalanceOverTime, By, Density, Departures, MovingMeans, Passages, SqueezeOverTime, VoronoiRoom, quantile,
-    squeeze, within,
+    BalanceOverTime, By, Density, Departures, LoadsOverTime, MovingMeans, Passages, SqueezeOverTime,
+    VoronoiRoom, quantile, squeeze, within,
 };
 use lemons_sim::Until;
 
 /// \[s\] Single steps show hard collisions of milliseconds, and no pressure.
 pub const OVER: f64 = 1.0;
 
-/// Measures what the arguments ask for; `room` is there if there are areas, `pieces` are those of the walls.
+/// Measures what the arguments ask for; `room` is there if there are areas.
 pub fn pass(
     arguments: &Arguments,
     record: &Record,
     room: Option<&VoronoiRoom>,
-    pieces: &[(&Wall, usize)],
+    trial: Option<&Trial>,
     interrupt: &Interrupt,
 ) -> Result<RunSummary> {
     let Arguments { lines, areas, above, over, width, from, .. } = arguments;
@@ -32,7 +32,8 @@ pub fn pass(
     let mut densities: Vec<Vec<Density>> = vec![Vec::new(); areas.len()];
     let mut exposure = SqueezeOverTime::new(people, above, *over);
     let mut parts = [(); 2].map(|()| SqueezeOverTime::new(people, &[], None));
-    let mut of_walls: Option<SqueezeOverTime> = None;
+    let walls = trial.filter(|_| arguments.walls);
+    let mut loads = walls.map(|trial| LoadsOverTime::of(&trial.geometry));
     let (mut moving, mut spread) = (MovingMeans::over(OVER), Vec::new());
     let departures = if record.trajectories().is_some() { Departures::of_appearing } else { Departures::of };
     let (mut departures, mut balance) = (departures(people), BalanceOverTime::of(people));
@@ -53,13 +54,7 @@ pub fn pass(
         }
         exposure.see(&frame, None);
         parts.iter_mut().zip(By::ALL).for_each(|(part, by)| part.see(&frame, Some(by)));
-        let walls = frame.walls.as_ref().filter(|walls| arguments.walls && walls.len() == pieces.len());
-        if let Some(walls) = walls {
-            let means = walls.iter().map(|wall| Some((wall.mean_normal_force, wall.peak_normal_force)));
-            of_walls
-                .get_or_insert_with(|| SqueezeOverTime::new(walls.len(), &[], None))
-                .add(frame.time, means);
-        }
+        loads.iter_mut().for_each(|loads| loads.add(&frame));
         if arguments.plot.is_some() {
             let of_step = |agent| squeeze(&frame, agent, None).map(|(mean, _)| mean);
             if let Some(means) = moving.add(frame.time, (0..people).map(of_step)) {
@@ -76,11 +71,8 @@ pub fn pass(
     let Some(first) = first else {
         bail!("{}: no frame between --from and --until", record.source().display());
     };
+    let (walls, panels) = loads.and_then(LoadsOverTime::finish).map(of_walls).unzip();
     let squeezed = SqueezeSummary::of(&exposure, &parts, (above, *over), ids);
-    let walls = of_walls.map(|seen| {
-        let each = pieces.iter().zip(seen.so_far()).enumerate();
-        each.map(|(segment, (piece, seen))| Piece::of(segment, *piece, &seen)).collect()
-    });
     Ok(RunSummary {
         source: arguments.source.path.display().to_string(),
         from: first,
@@ -99,6 +91,7 @@ pub fn pass(
         spread: if squeezed.is_ok() { spread } else { Vec::new() },
         exposure: squeezed.ok().flatten(),
         walls,
+        panels,
         balance: balance.finish().and_then(|kept| BalanceSummary::of(kept, ids)),
         notes: Vec::new(),
     })

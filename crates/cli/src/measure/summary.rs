@@ -1,11 +1,10 @@
 //! All numbers of a measurement that do not depend on time: what is printed, and what is written as JSON.
 
 use super::options::Labelled;
-use lemons_core::trial::Wall;
 use lemons_results::Trajectories;
 use lemons_results::measure::{
-    Across, CountingLine, Crossings, Density, Exposed, Kept, Left, MeanMax, MeasuringArea, Passages, SPANS,
-    SqueezeOverTime, Way,
+    Across, CountingLine, Crossings, Density, Exposed, Kept, Left, MeanMax, MeasuringArea, Panel, Passages,
+    SPANS, SqueezeOverTime, WallLoad, WallLoads, Way,
 };
 use serde::Serialize;
 
@@ -31,8 +30,10 @@ pub struct RunSummary {
     pub areas: Vec<OfArea>,
     pub exposure: Option<SqueezeSummary>,
     pub exposure_left_out: Option<&'static str>,
-    /// The straight pieces of walls; null: not asked for.
-    pub walls: Option<Vec<Piece>>,
+    /// Loads on walls; null: not asked for.
+    pub walls: Option<Vec<OfWall>>,
+    /// The same on their panels.
+    pub panels: Option<Vec<OfPanel>>,
     /// How people kept their balance; null: they have no legs.
     pub balance: Option<BalanceSummary>,
     /// Notes of what the squeezes can mean, and what not.
@@ -124,34 +125,28 @@ impl OfArea {
     }
 }
 
-/// A straight piece of a wall, and the forces of people on it.
+/// Load on a wall in all.
 #[derive(Serialize)]
-pub struct Piece {
-    /// Its place among all, from 0, as in `wall[k].MeanNormalForce`.
-    pub segment: usize,
+pub struct OfWall {
     /// Id of the wall.
     pub wall: String,
-    /// \[m\]
-    pub from: [f64; 2],
-    /// \[m\]
-    pub to: [f64; 2],
-    /// \[N\] Greatest mean over a communication step.
-    pub largest_mean_step: f64,
-    /// \[N\] Greatest mean over 1 s; null: the record is shorter, or a communication step is longer.
-    pub largest_mean_1: Option<f64>,
-    /// \[N\]
-    pub peak: f64,
-    /// \[N s\]
-    pub impulse: f64,
+    #[serde(flatten)]
+    pub load: WallLoad,
 }
 
-impl Piece {
-    pub fn of(segment: usize, (wall, place): (&Wall, usize), seen: &Exposed) -> Piece {
-        let [from, to] = [wall.corners[place], wall.corners[place + 1]].map(Into::into);
-        let Exposed { largest_step, largest_mean: [_, largest_mean_1, _], peak, impulse, .. } = *seen;
-        let wall = wall.id.clone();
-        Piece { segment, wall, from, to, largest_mean_step: largest_step, largest_mean_1, peak, impulse }
-    }
+/// Load on a panel.
+#[derive(Serialize)]
+pub struct OfPanel {
+    #[serde(flatten)]
+    pub place: Panel,
+    #[serde(flatten)]
+    pub load: WallLoad,
+}
+
+/// Returns the loads on walls and on their panels.
+pub fn of_walls(loads: WallLoads) -> (Vec<OfWall>, Vec<OfPanel>) {
+    let walls = loads.walls.into_iter().map(|(wall, load)| OfWall { wall, load }).collect();
+    (walls, loads.panels.into_iter().map(|(place, load)| OfPanel { place, load }).collect())
 }
 
 #[derive(Serialize)]

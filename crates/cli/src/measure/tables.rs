@@ -16,12 +16,25 @@ pub fn of(
     summary: &RunSummary,
 ) -> Result<Vec<(&'static str, String)>> {
     let (flow, people) = (flow(arguments.window, summary), people(arguments, ids, summary));
-    let all = [flow, gaps(ids, summary), density(summary), people, walls(summary)];
+    let all = [flow, gaps(ids, summary), density(summary), people, walls(summary), panels(summary)];
     NAMES.into_iter().zip(all).map(|(name, table)| Ok((name, table?))).collect()
 }
 
 /// Names of the tables.
-pub const NAMES: [&str; 5] = ["flow", "gaps", "density", "people", "walls"];
+pub const NAMES: [&str; 6] = ["flow", "gaps", "density", "people", "walls", "panels"];
+
+/// The fields of a [`WallLoad`](lemons_results::measure::WallLoad).
+const LOADS: [&str; 9] = [
+    "length",
+    "load_step",
+    "load_1",
+    "load_1_at",
+    "load_10",
+    "load_10_at",
+    "load_peak",
+    "load_peak_at",
+    "impulse",
+];
 
 /// Returns a table as CSV, the names of its columns first. Its numbers read back to the same doubles; what is not known is
 /// an empty cell.
@@ -111,9 +124,14 @@ fn people(arguments: &Arguments, ids: &[String], summary: &RunSummary) -> Result
     csv(&names, row)
 }
 
-/// A row for each straight piece of a wall.
+/// A row for each panel.
+fn panels(summary: &RunSummary) -> Result<String> {
+    let names = ["panel", "wall", "x1", "y1", "x2", "y2"].into_iter().chain(LOADS).collect::<Vec<_>>();
+    csv(&names, summary.panels.iter().flatten().map(|of| (&of.place, &of.load)))
+}
+
+/// A row for each wall.
 fn walls(summary: &RunSummary) -> Result<String> {
-    let names =
-        ["segment", "wall", "x1", "y1", "x2", "y2", "largest_mean_step", "largest_mean_1", "peak", "impulse"];
-    csv(&names, summary.walls.iter().flatten())
+    let names = ["wall"].into_iter().chain(LOADS).collect::<Vec<_>>();
+    csv(&names, summary.walls.iter().flatten().map(|of| (&of.wall, &of.load)))
 }

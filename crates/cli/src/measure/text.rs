@@ -1,9 +1,11 @@
 //! The numbers of a measurement as text, 80 columns wide.
 
-use super::summary::{BalanceSummary, OfArea, OfLine, OfPart, OfPeople, Piece, RunSummary, SqueezeSummary};
+use super::summary::{
+    BalanceSummary, OfArea, OfLine, OfPanel, OfPart, OfPeople, OfWall, RunSummary, SqueezeSummary,
+};
 use crate::print;
 use anyhow::Result;
-use lemons_results::measure::{By, Crossings, Left, MeanMax};
+use lemons_results::measure::{By, Crossings, Left, MeanMax, WallLoad};
 use std::io::Write;
 
 /// Columns of a line.
@@ -22,7 +24,9 @@ pub fn print(summary: &RunSummary) -> Result<()> {
     summary.areas.iter().try_for_each(|area| of_area(&mut out, area))?;
     summary.exposure.iter().try_for_each(|squeeze| of_squeeze(&mut out, squeeze))?;
     summary.notes.iter().try_for_each(|note| paragraph(&mut out, note))?;
-    summary.walls.iter().try_for_each(|pieces| of_walls(&mut out, pieces))?;
+    if let (Some(walls), Some(panels)) = (&summary.walls, &summary.panels) {
+        of_walls(&mut out, walls, panels)?;
+    }
     summary.balance.iter().try_for_each(|balance| of_balance(&mut out, balance, *people))
 }
 
@@ -167,17 +171,56 @@ fn of_balance(out: &mut impl Write, balance: &BalanceSummary, people: usize) -> 
     of_people(out, "largest lean", Some(lean), "m", "")
 }
 
-/// Writes the pieces of walls that somebody touched.
-fn of_walls(out: &mut impl Write, pieces: &[Piece]) -> Result<()> {
-    writeln!(
-        out,
-        "\nforces on walls: greatest means and peak, impulse in all\n{:>31} {:>10} {:>10} {:>10}",
-        "step", "1 s", "peak", "impulse"
-    )?;
-    for piece in pieces.iter().filter(|piece| piece.peak > 0.0) {
-        let values =
-            [Some(piece.largest_mean_step), piece.largest_mean_1, Some(piece.peak), Some(piece.impulse)];
-        row(out, &format!("{}, wall {}", piece.segment, piece.wall), &values, ("N, N s", 0), "")?;
+/// Panels that are listed.
+const MOST_PANELS: usize = 10;
+
+/// Writes the walls and the most loaded panels that somebody touched.
+fn of_walls(out: &mut impl Write, walls: &[OfWall], panels: &[OfPanel]) -> Result<()> {
+    let touched = |load: &WallLoad| load.impulse > 0.0;
+    let mut loaded: Vec<&OfPanel> = panels.iter().filter(|panel| touched(&panel.load)).collect();
+    // Records that are shorter than a second have no mean over it. Equal loads stay in the order of the walls.
+    let key = |load: &WallLoad| load.load_1.unwrap_or(load.load_step);
+    loaded.sort_by(|one, other| key(&other.load).total_cmp(&key(&one.load)));
+    writeln!(out, "\nloads on walls in kN/m: the greatest means and peak, and when they ended")?;
+    if loaded.is_empty() {
+        writeln!(out, "  nobody touched a wall")?;
+        return Ok(());
     }
-    Ok(())
+    writeln!(out, "{:>42}{:>18}{:>18}", "over 1 s", "over 10 s", "peak")?;
+    for OfWall { wall, load } in walls.iter().filter(|wall| touched(&wall.load)) {
+        of_load(out, &format!("wall {wall}, {:.2} m", load.length), load)?;
+    }
+    let count = match loaded.len() {
+        more if more > MOST_PANELS => format!("the {MOST_PANELS} most loaded of {more}"),
+        _ => "all".to_owned(),
+    };
+    writeln!(out, "  panels that somebody touched ({count}), with their middle")?;
+    for OfPanel { place, load } in loaded.into_iter().take(MOST_PANELS) {
+        let [start, end] = place.ends();
+        let middle = (start + end) * 0.5;
+        of_load(out, &format!("{}: ({:.2}, {:.2}) m", place.wall, middle.x, middle.y), load)?;
+    }
+    paragraph(out, DESIGN)
+}
+
+/// Notes of what a load can be compared with.
+const DESIGN: &str = "\
+    Barriers are designed for 3 to 5 kN/m where crowds press (EN 1991-1-1, table 6.12, category C5), crush barriers for \
+    5 kN/m at most (Green Guide, table 11.2). The loads above are no design loads: they are of one run, of walls that do \
+    not give way, without safety factors, and as large as the pushes that were assumed (docs/measure.md).";
+
+/// Writes the numbers of a load in kN/m, each with the time \[s\] when it was.
+fn of_load(out: &mut impl Write, label: &str, load: &WallLoad) -> Result<()> {
+    let of = |value: Option<f64>, at: Option<f64>| match (value, at) {
+        (Some(value), Some(at)) => format!("{:>7.3} at {at:>5.2} s", value / 1e3),
+        _ => "-".to_owned(),
+    };
+    let numbers = [
+        of(load.load_1, load.load_1_at),
+        of(load.load_10, load.load_10_at),
+        of(load.load_peak, load.load_peak_at),
+    ];
+    let numbers: String = numbers.iter().map(|number| format!("{number:>18}")).collect();
+    // A long Id moves its numbers.
+    Ok(writeln!(out, "  {label:<22}{numbers}")?)
 }

@@ -105,6 +105,10 @@ struct TrialArguments {
     /// divides it. Default: 0.01
     #[arg(long, value_name = "SECONDS", value_parser = ranged("time_step", " (s)"))]
     time_step: Option<f64>,
+    /// Divide the walls into panels, none longer than this, in m: for each, outputs say how hard people press
+    /// on it (lemons measure --walls). Default: no panels
+    #[arg(long, value_name = "METRES", value_parser = ranged("panel_length", " (m)"))]
+    panel_length: Option<f64>,
 }
 
 #[derive(clap::Args)]
@@ -465,10 +469,11 @@ impl Arguments {
         self.source.fill(&mut scenario)?;
         self.placing.fill(&mut scenario);
         self.leaving.fill(&mut scenario)?;
-        let TrialArguments { material, speed, time_step, .. } = &self.trial;
+        let TrialArguments { material, speed, time_step, panel_length, .. } = &self.trial;
         scenario.material = material.clone().or(scenario.material);
         scenario.speed = speed.or(scenario.speed);
         scenario.time_step = time_step.or(scenario.time_step);
+        scenario.panel_length = panel_length.or(scenario.panel_length);
         Ok((file, scenario))
     }
 

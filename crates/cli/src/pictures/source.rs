@@ -6,7 +6,7 @@ use crate::interrupt::{Interrupt, Interrupted};
 use crate::record::{InMemory, expect_table, recorded, trial_of};
 use crate::run::{Inputs, RowTarget, RunJob, name_and_value, not_set, simulate};
 use crate::trajectories::TrajectoryArguments;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Error, Result, bail};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
@@ -40,6 +40,9 @@ pub struct RunSource {
     settings: Vec<(String, String)>,
     #[command(flatten)]
     others: TrajectoryArguments,
+    /// \[m\] Length of the longest panel of a Trial's walls that have none.
+    #[arg(skip)]
+    pub panel_length: Option<f64>,
     /// The run itself; the path is what messages call it.
     #[arg(skip)]
     memory: Option<Arc<InMemory>>,
@@ -139,6 +142,10 @@ impl RunSource {
                 }
             }
             *trial = edited.trial().clone();
+            // An FMU has the panels that it was packed with.
+            if let Some(longest) = self.panel_length.filter(|_| !self.ends_in("fmu")) {
+                trial.geometry.divide(longest).map_err(Error::msg)?;
+            }
         }
         let found = match (runs, until, &trial) {
             (true, Some(until), Some(trial)) => {
@@ -243,6 +250,7 @@ impl RunSource {
         let settings = RunSettings {
             until: Some(until.latest()),
             parameters: self.settings.clone(),
+            panel_length: self.panel_length,
             ..self.inputs.settings(&self.path)
         };
         let rows = RowTarget::Memory(wanted);

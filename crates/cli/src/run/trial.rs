@@ -81,7 +81,10 @@ impl RecordedModel for TrialRun {
 /// Prepares a run of a Trial. Warnings are printed.
 pub fn prepare(given: &TrialInput, settings: &RunSettings) -> Result<PreparedRun> {
     let saved = settings.saved()?;
-    let (documents, mut problems, plan) = given.documents(&settings.drive, &settings.plan)?;
+    let (mut documents, mut problems, plan) = given.documents(&settings.drive, &settings.plan)?;
+    if let Some(longest) = settings.panel_length {
+        documents.trial.geometry.divide(longest).map_err(Error::msg)?;
+    }
     let files = Files::chosen(given.path(), &settings.drive, plan.as_deref());
     problems.extend(lint::of_documents(&documents, &files));
     problems.iter().for_each(|problem| note!("{problem}"));

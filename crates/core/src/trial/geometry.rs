@@ -2,6 +2,7 @@
 
 use crate::files::source::FileSource;
 use crate::plane::{Vec2, vec2};
+use crate::require;
 use crate::trial::opening::OpeningTimes;
 use crate::trial::schema::{AttributeValue, Schema};
 use crate::trial::xml::{Checked, Element, Ids, document, empty, read_alone, read_id, vector};
@@ -32,6 +33,25 @@ impl Geometry {
         self.walls.iter().filter(|wall| wall.open.is_none())
     }
 
+    /// Gives panels to the walls that have none; `longest` \[m\] is the length of the longest of them.
+    ///
+    /// # Errors
+    /// A sentence: there would be too many.
+    pub fn divide(&mut self, longest: f64) -> Result<(), String> {
+        self.walls.iter_mut().for_each(|wall| wall.panel_length = wall.panel_length.or(Some(longest)));
+        let count = self.walls.iter().flat_map(Wall::panel_counts).fold(0, usize::saturating_add);
+        require(count <= MOST_PANELS, || {
+            format!(
+                "panels of at most {longest} m would be {count}; at most {MOST_PANELS} can be: take longer ones"
+            )
+        })
+    }
+
+    /// Returns all panels, in file order: the wall of each, and its ends \[m\].
+    pub fn panels(&self) -> impl Iterator<Item = (&Wall, [Vec2; 2])> {
+        self.walls.iter().flat_map(|wall| wall.panels().map(move |ends| (wall, ends)))
+    }
+
     /// Returns the text of a `Geometry.xml`. Every number is read back as the same double.
     pub fn to_xml(&self) -> String {
         xml(self)
@@ -49,12 +69,14 @@ pub struct Wall {
     pub corners: Vec<Vec2>,
     /// `Open`: when the wall is open; `None` if it never opens.
     pub open: Option<OpeningTimes>,
+    /// \[m\] `PanelLength`: length of the longest of its panels; `None` if it has none.
+    pub panel_length: Option<f64>,
 }
 
 impl Wall {
     /// Makes a wall that never opens, through at least two corners \[m\].
     pub fn new(id: impl Into<String>, material_id: impl Into<String>, corners: Vec<Vec2>) -> Wall {
-        Wall { id: id.into(), material_id: material_id.into(), corners, open: None }
+        Wall { id: id.into(), material_id: material_id.into(), corners, open: None, panel_length: None }
     }
 
     /// Returns its straight pieces: their ends \[m\].
@@ -62,10 +84,37 @@ impl Wall {
         self.corners.windows(2).map(|ends| [ends[0], ends[1]])
     }
 
+    /// Returns the ends \[m\] of its panels: of the equal parts of its straight pieces, each for itself, for which loads are
+    /// outputs.
+    pub fn panels(&self) -> impl Iterator<Item = [Vec2; 2]> {
+        self.sides().zip(self.panel_counts()).flat_map(|([start, end], count)| {
+            let at = move |k: usize| start + (end - start) * (k as f64 / count as f64);
+            (0..count).map(move |k| [at(k), at(k + 1)])
+        })
+    }
+
+    /// Returns how many panels each of its straight pieces has; nothing if it has none.
+    fn panel_counts(&self) -> impl Iterator<Item = usize> {
+        let count =
+            |longest| self.sides().map(move |[start, end]| panel_count((end - start).norm(), longest));
+        self.panel_length.into_iter().flat_map(count)
+    }
+
     /// Returns whether it is open at a time \[s\].
     pub fn is_open(&self, time: f64) -> bool {
         self.open.as_ref().is_some_and(|open| open.is_open(time))
     }
+}
+
+/// \[m\] Length of the longest panel, if nobody says it.
+pub const PANEL_LENGTH: f64 = 0.5;
+/// Most panels of a Trial.
+const MOST_PANELS: usize = 20_000;
+
+/// Returns the number of panels of a straight piece of a wall, which are of one length; all \[m\].
+pub fn panel_count(length: f64, longest: f64) -> usize {
+    // A piece of 2.0000000001 m has four of 0.5 m.
+    ((length / longest - 1e-9).ceil() as usize).max(1)
 }
 
 pub(crate) static GEOMETRY: Schema =
@@ -81,6 +130,7 @@ static WALL: Schema = Schema {
         ("Id", AttributeValue::Id),
         ("MaterialId", AttributeValue::IdOf("material")),
         ("Open", AttributeValue::Times),
+        ("PanelLength", AttributeValue::Positive),
     ],
     children: &[&CORNER],
 };
@@ -91,13 +141,20 @@ static CORNER: Schema =
 pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Geometry {
     let dimensions =
         root.at_most_one("Dimensions").map(|element| vec2(element.number("Lx"), element.number("Ly")));
-    let (mut walls, mut lines) = (Vec::new(), HashMap::new());
+    let (mut walls, mut lines, mut panels) = (Vec::new(), HashMap::new(), 0);
     for element in root.children("Wall") {
         let id = read_id(element, &mut lines);
         let (material_id, _) = element.reference("MaterialId", materials);
         let corners = read_corners(element, &id);
         let open = element.times("Open");
-        walls.push(Wall { id, material_id, corners, open });
+        let panel_length = element.node.has("PanelLength").then(|| element.number("PanelLength"));
+        let wall = Wall { id, material_id, corners, open, panel_length };
+        let before = panels;
+        panels = wall.panel_counts().fold(panels, usize::saturating_add);
+        if before <= MOST_PANELS && panels > MOST_PANELS {
+            element.wrong("PanelLength", format!("makes more than {MOST_PANELS} panels in all"));
+        }
+        walls.push(wall);
     }
     Geometry { dimensions, walls }
 }
@@ -127,7 +184,8 @@ pub(crate) fn xml(geometry: &Geometry) -> String {
         }
         for wall in &geometry.walls {
             let open = wall.open.as_ref().map(OpeningTimes::text);
-            let values = [Some(&*wall.id), Some(&wall.material_id), open.as_deref()];
+            let panel_length = wall.panel_length.map(number);
+            let values = [Some(&*wall.id), Some(&wall.material_id), open.as_deref(), panel_length.as_deref()];
             out.element("Wall", &WALL.values(&values), |out| {
                 for &corner in &wall.corners {
                     empty(out, &CORNER, &[&vector(corner)]);

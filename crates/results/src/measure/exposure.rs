@@ -20,10 +20,14 @@ pub struct Exposed {
     pub above: Vec<Option<Above>>,
     /// \[N\] Largest mean squeeze over each of [`SPANS`]; `None` if the record is shorter, or if a step is longer.
     pub largest_mean: [Option<f64>; SPANS.len()],
+    /// \[s\] When the spans of these end, the first if there are several; 0 where there is none.
+    pub largest_mean_at: [f64; SPANS.len()],
     /// \[N s\] Integral of the squeeze over time.
     pub impulse: f64,
     /// \[N\] Largest squeeze within any step.
     pub peak: f64,
+    /// \[s\] When the step ends in which it was so at first; 0 without a squeeze.
+    pub peak_at: f64,
     /// \[N\] Largest mean squeeze over a communication step.
     pub largest_step: f64,
 }
@@ -126,7 +130,9 @@ impl SqueezeOverTime {
                 continue;
             };
             person.time += step;
-            person.peak = person.peak.max(peak);
+            if peak > person.peak {
+                (person.peak, person.peak_at) = (peak, time);
+            }
             person.largest_step = person.largest_step.max(mean);
             person.impulse = *impulse;
             if self.over.is_none() {
@@ -140,8 +146,9 @@ impl SqueezeOverTime {
         for (k, span) in SPANS.into_iter().enumerate() {
             for end in self.impulses.ends(span, before, time) {
                 for (person, mean) in self.people.iter_mut().zip(self.impulses.means(span, end)) {
-                    person.largest_mean[k] =
-                        Some(person.largest_mean[k].map_or(mean, |known| known.max(mean)));
+                    if person.largest_mean[k].is_none_or(|known| mean > known) {
+                        (person.largest_mean[k], person.largest_mean_at[k]) = (Some(mean), end);
+                    }
                 }
             }
         }
