@@ -38,6 +38,8 @@ pub struct OwnMotion {
     pub damping: f64,
     /// \[m\]
     pub stature: f64,
+    /// \[m/s²\] Force with which the person leans on who is in front, over the mass.
+    pub lean: Vec2,
 }
 
 /// Legs of a person, during the simulation and in a saved state.

@@ -17,6 +17,7 @@ mod write;
 use crate::balance::{BalanceModel, Pendulum, TwoLevel};
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
+use crate::queue::QueueConfig;
 use crate::rule::{Motivation, Waypoint};
 use crate::spread::Spread;
 use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModel, WalkingModelName};
@@ -87,6 +88,8 @@ pub struct DecisionConfig {
     /// Changes during a run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub motivation: Vec<Motivation>,
+    /// How people who wait press those in front.
+    pub queue: Option<QueueConfig>,
     /// Constants of the collision-free-speed model.
     #[serde(rename = "collision-free-speed")]
     pub collision_free_speed: Option<CollisionFreeSpeed>,

@@ -3,6 +3,7 @@
 use crate::balance::{Legs, OwnMotion};
 use crate::exit_choice::Choice;
 use crate::plan::Plan;
+use crate::queue::{Lean, QueueState};
 use crate::rule::{Propulsion, Walker};
 use crate::stuck::{StuckAction, StuckState, normal, share};
 use crate::target::{Arrival, Destination, Ways};
@@ -17,6 +18,7 @@ mod aims;
 mod exits;
 mod fmi;
 mod groups;
+mod lean;
 mod legs;
 pub mod quantities;
 
@@ -61,6 +63,7 @@ pub struct AgentState {
     phase: f64,
     choice: Choice,
     legs: Legs,
+    queue: QueueState,
 }
 
 impl AgentState {
@@ -81,7 +84,7 @@ impl AgentState {
 
     fn motion(&self) -> OwnMotion {
         let Walker { floor_damping: damping, stature, .. } = self.walker;
-        OwnMotion { at: self.at(), velocity: self.velocity, damping, stature }
+        OwnMotion { at: self.at(), velocity: self.velocity, damping, stature, lean: Vec2::zeros() }
     }
 
     /// \[m\] Where the agent came from.
@@ -127,6 +130,8 @@ pub struct Decision {
     aims: Option<Vec<Aim>>,
     /// Legs of all agents at their present poses, if they were computed; `None` inside for who has left.
     legs: Option<Vec<Option<Legs>>>,
+    /// How people lean on those in front at their present poses, if it was computed.
+    leans: Option<Vec<Option<Lean>>>,
 }
 
 impl Decision {
@@ -147,6 +152,7 @@ impl Decision {
             phase: TAU * share(plan.seed, i as u64, u64::MAX - 1),
             choice: Choice::new(plan.seed, i as u64),
             legs: Legs::default(),
+            queue: QueueState::new(plan.seed, i as u64),
         });
         let fingerprint = plan.fingerprint;
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
@@ -171,6 +177,7 @@ impl Decision {
             wanted: None,
             aims: None,
             legs: None,
+            leans: None,
         }
     }
 
@@ -180,7 +187,12 @@ impl Decision {
         for (agent, Motion { pose, twist }) in self.agents.iter_mut().zip(motions) {
             (agent.pose, agent.velocity) = (pose, twist.velocity);
         }
-        (self.wanted, self.aims, self.legs) = (None, None, None);
+        self.forget();
+    }
+
+    /// Forgets what follows from poses and parameters.
+    fn forget(&mut self) {
+        (self.wanted, self.aims, self.legs, self.leans) = (None, None, None, None);
     }
 
     /// Returns what everybody does at the present poses.
@@ -235,13 +247,16 @@ impl Decision {
                 agent.noise = kept * agent.noise + speed_noise * (1.0 - kept * kept).sqrt() * drawn;
                 agent.draws += 1;
             }
+            if let Some((queue, _)) = &self.plan.queue {
+                agent.queue.pass(queue, step, seed, i as u64);
+            }
             let waits = agent.waits();
             let waited = if next == agent.next { agent.waited } else { 0.0 };
             (agent.next, agent.left, agent.last) = (next, leaves, Some(at));
             agent.waited = if waits { waited + step } else { waited };
             goes_on |= waits && !agent.waits();
         }
-        self.aims = None;
+        (self.aims, self.leans) = (None, None);
         self.choose_exits(step);
         let before = self.time;
         self.time += step;
@@ -293,13 +308,18 @@ impl Decision {
         let mut drive = self.drive_of_walking(i)?;
         let agent = &self.agents[i];
         agent.walker.limit(&mut drive, agent.velocity);
+        let lean = self.lean(i);
+        if let Some(lean) = lean {
+            let agent = &self.agents[i];
+            agent.walker.lean(&mut drive, agent.velocity, &lean);
+        }
         if let Some(balance) = self.plan.balance {
             self.decide_legs(&balance);
             let legs = self.legs.as_ref().and_then(|legs| legs[i]).filter(|legs| legs.stands);
             // Whatever a model of walking wants of those who stand, only the ground acts on them.
             if let Some(legs) = legs {
                 let agent = &self.agents[i];
-                drive.force = (balance.drive(&legs, &agent.motion()) * agent.walker.mass).into();
+                drive.force = (balance.drive(&legs, &self.leaning(i)) * agent.walker.mass).into();
                 drive.torque = if balance.lies(&legs) { 0.0 } else { drive.torque };
             }
         }

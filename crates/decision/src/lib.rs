@@ -22,6 +22,7 @@
 //! - [`balance`]: legs under those who stand
 //! - [`walking_model`]: how people walk among others
 //! - [`spread`]: numbers that differ from person to person
+//! - [`queue`]: people who wait press those in front
 //! - [`config`]: `decision.toml`, what a user wrote
 //! - [`plan`]: what it becomes, for each agent of a Trial
 //! - [`decision`]: the model of the FMU; [`decision::quantities`]: its variables
@@ -38,6 +39,7 @@ pub mod exit_choice;
 pub mod field;
 pub mod pack;
 pub mod plan;
+pub mod queue;
 pub mod rule;
 pub mod spread;
 pub mod stuck;

@@ -5,10 +5,11 @@ mod destinations;
 mod groups;
 mod normalized;
 
-use crate::balance::BalanceModel;
+use crate::balance::{BalanceModel, Pendulum};
 use crate::config::{AgentConfig, DECISION_FILE, DecisionConfig, GroupsConfig};
 use crate::error::{PlanError, moderate};
 use crate::exit_choice::ExitChoice;
+use crate::queue::QueueConfig;
 use crate::rule::{Motivation, UNLIMITED, Walker, Waypoint, usual_stature};
 use crate::stuck::normal;
 use crate::target::{Destination, Target, Ways};
@@ -84,6 +85,8 @@ pub struct Plan {
     pub walking_model: WalkingModel,
     /// Legs of those who stand, if they have any.
     pub balance: Option<BalanceModel>,
+    /// How people who wait press those in front, if they do, and how their feet hold.
+    pub queue: Option<(QueueConfig, Pendulum)>,
     /// How people choose who take the nearest exit.
     pub exit_choice: ExitChoice,
     /// Changes of everybody's motivation during the run.
@@ -124,6 +127,7 @@ impl Plan {
         }
         config.desired_speed.map_or(Ok(()), |speed| speed.check("desired_speed"))?;
         config.start.map_or(Ok(()), |start| start.check("start"))?;
+        config.queue.map_or(Ok(()), |queue| queue.check())?;
         let (walking_model, balance) = (config.walking_model()?, config.balance()?);
         let targets = targets_of(config)?;
         let groups = groups::groups(trial, config)?;
@@ -139,7 +143,8 @@ impl Plan {
         let seed = config.seed.unwrap_or(0);
         let doors: Vec<Wall> =
             trial.geometry.walls.iter().filter(|wall| wall.open.is_some()).cloned().collect();
-        let bodies = walking_model.sees_others() || !doors.is_empty();
+        let queue = config.queue.filter(|queue| !queue.is_idle());
+        let bodies = walking_model.sees_others() || !doors.is_empty() || queue.is_some();
         let push = |i: usize| {
             let drawn = |deviation: f64| deviation * normal(seed, i as u64, PUSH_DRAW);
             let push = config.push.unwrap_or(UNLIMITED);
@@ -199,6 +204,7 @@ impl Plan {
             groups,
             walking_model,
             balance,
+            queue: queue.map(|queue| (queue, config.pendulum.unwrap_or_default())),
             exit_choice,
             motivation,
             targets,

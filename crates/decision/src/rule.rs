@@ -2,6 +2,7 @@
 //!
 //! It uses `libm` instead of the platform's arctangent, so that the result is the same bits on every machine.
 
+use crate::queue::Lean;
 use lemons_core::plane::{InPlane, Pose, Vec2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -173,6 +174,14 @@ impl Walker {
         let Some(ahead) = force.unit(1e-9).filter(|_| self.push < UNLIMITED) else { return };
         let push = ahead.dot(&(force - velocity * (self.mass * self.floor_damping)));
         drive.force = (force - ahead * (push - self.push).max(0.0)).into();
+    }
+
+    /// Lets somebody who has a velocity \[m/s\] lean on who is in front. The push ahead, without what the floor takes, becomes
+    /// the greater one of what it is and of the lean, for the part with which the person leans.
+    pub(crate) fn lean(&self, drive: &mut Propulsion, velocity: Vec2, lean: &Lean) {
+        let own = Vec2::from(drive.force);
+        let push = lean.direction.dot(&(own - velocity * (self.mass * self.floor_damping)));
+        drive.force = (own + lean.direction * (lean.part * (lean.force - push).max(0.0))).into();
     }
 
     /// Returns the propulsion whose force, with the floor's friction alone, leads to a velocity \[m/s\] (eq. 4), with a

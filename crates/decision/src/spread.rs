@@ -32,9 +32,14 @@ impl Spread {
 
     /// Returns the number of a person: the same for the same seed. `draw` is the number of its draw.
     pub(crate) fn of(&self, seed: u64, person: usize, draw: u64) -> f64 {
+        self.at(share(seed, person as u64, draw))
+    }
+
+    /// Returns the number at a rank from 0 to 1.
+    pub(crate) fn at(&self, rank: f64) -> f64 {
         match self {
             Spread::Same(value) => *value,
-            Spread::Drawn(from) => from.quantile(share(seed, person as u64, draw)),
+            Spread::Drawn(from) => from.quantile(rank),
         }
     }
 }

@@ -119,7 +119,12 @@ impl Pendulum {
 
     /// \[1/s\] Returns ω₀.
     fn rate(&self, motion: &OwnMotion) -> f64 {
-        (GRAVITY / (self.height_part * motion.stature)).sqrt()
+        self.stiffness(motion.stature).sqrt()
+    }
+
+    /// \[1/s²\] Returns ω₀² of somebody of this stature \[m\].
+    pub(crate) fn stiffness(&self, stature: f64) -> f64 {
+        GRAVITY / (self.height_part * stature)
     }
 
     /// \[m\] Returns the extrapolated centre of mass, from the feet.
@@ -154,7 +159,8 @@ impl Pendulum {
         let upright = lean * (0.25 * self.damping * self.damping);
         let wanted = (self.way_back(legs, motion.at) - motion.velocity) * self.damping
             - upright
-            - legs.load * self.bracing;
+            - legs.load * self.bracing
+            + motion.lean;
         lean * stiffness + at_most(wanted - lean * stiffness, stiffness * self.support)
     }
 
@@ -202,7 +208,8 @@ impl Pendulum {
             legs.calm += step;
         }
         // What the ground does in this step, by the legs as they are now.
-        legs.velocity = motion.velocity + self.acceleration(legs, motion) * step;
+        // Who leans expects that the one in front stands against it.
+        legs.velocity = motion.velocity + (self.acceleration(legs, motion) - motion.lean) * step;
     }
 
     /// Notices the load: what the ground does not explain of the velocity, with a low pass (a disturbance observer).
@@ -269,8 +276,13 @@ mod tests {
 
     /// Returns who is hit, and does not feel it as a load.
     fn hit(velocity: f64) -> (Legs, OwnMotion) {
-        let motion =
-            OwnMotion { at: Vec2::zeros(), velocity: vec2(velocity, 0.0), damping: FLOOR, stature: STATURE };
+        let motion = OwnMotion {
+            at: Vec2::zeros(),
+            velocity: vec2(velocity, 0.0),
+            damping: FLOOR,
+            stature: STATURE,
+            lean: Vec2::zeros(),
+        };
         (Legs::default().under(&motion, true), motion)
     }
 

@@ -161,8 +161,13 @@ mod tests {
     const DAMPING: f64 = 4.5;
 
     fn person(x: f64, velocity: f64) -> Option<(Legs, OwnMotion)> {
-        let motion =
-            OwnMotion { at: vec2(x, 0.0), velocity: vec2(velocity, 0.0), damping: DAMPING, stature: 1.73 };
+        let motion = OwnMotion {
+            at: vec2(x, 0.0),
+            velocity: vec2(velocity, 0.0),
+            damping: DAMPING,
+            stature: 1.73,
+            lean: Vec2::zeros(),
+        };
         Some((Legs::new(motion.at, true), motion))
     }
 

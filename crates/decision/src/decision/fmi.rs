@@ -40,7 +40,7 @@ impl Model for Decision {
     const DESCRIPTION: &'static str =
         "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 9;
+    const STATE_VERSION: u32 = 10;
     const SIZES: &'static [Size] = &quantities::SIZES;
     const VARIABLES: &'static [Variable<DecisionQuantity>] = &quantities::QUANTITIES;
 
@@ -120,7 +120,7 @@ impl Model for Decision {
     fn set(&mut self, quantity: DecisionQuantity, element: usize, value: f64, _: Phase) {
         if let Some(field) = self.field(quantity, element) {
             *field = value;
-            (self.wanted, self.aims, self.legs) = (None, None, None);
+            self.forget();
         }
     }
 
@@ -173,6 +173,7 @@ impl Model for Decision {
                 && own
                 && a.stuck.is_sound()
                 && a.legs.is_sound()
+                && a.queue.is_sound()
         };
         if !time.is_finite() || wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len()) {
             return damaged(IMPOSSIBLE);
@@ -190,7 +191,8 @@ impl Model for Decision {
             }
         }
         (self.agents, self.time) = (restored.agents, *time);
-        (self.wanted, self.aims, self.legs) = (wanted.clone(), None, None);
+        self.forget();
+        self.wanted.clone_from(wanted);
         Ok(())
     }
 }

@@ -75,9 +75,10 @@ impl Decision {
     pub(super) fn pass_legs(&mut self, step: f64) {
         let Some(balance) = self.plan.balance else { return };
         self.decide_legs(&balance);
+        self.find_leans();
         let legs = self.legs.take().unwrap_or_default().into_iter().zip(&self.agents);
         let mut people: Vec<Option<(Legs, OwnMotion)>> =
-            legs.map(|(legs, agent)| Some((legs?, agent.motion()))).collect();
+            legs.enumerate().map(|(i, (legs, _))| Some((legs?, self.leaning(i)))).collect();
         balance.pass(&mut people, &self.faces, step);
         for (agent, (legs, _)) in
             self.agents.iter_mut().zip(people).filter_map(|(agent, one)| Some((agent, one?)))
