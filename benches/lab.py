@@ -47,8 +47,8 @@ def scene(people: int) -> dict[str, object]:
         "room": {"outline": [[0, 0], [side, 0], [side, side], [0, side]], "obstacles": [], "doors": [{"at": [side, side / 2], "width": 3}]},
     }  # fmt: skip
     exit_ = {"name": "door", "line": [[side + 1, side / 2 - 2.5], [side + 1, side / 2 + 2.5]], "polygon": None, "share": None}
-    wishes: dict[str, object] = {"model": "rotational", "rotational": None, "balance": "none", "push": None, "desired_speed": 1.34, "seed": 1, "exits": [exit_], "goals": [], "agents": {}}
-    made = {"base": {"kind": "crowd", **crowd}, "edits": [], "motion": {"kind": "go", "wishes": wishes}}
+    decision: dict[str, object] = {"model": "rotational", "rotational": None, "balance": "none", "push": None, "desired_speed": 1.34, "seed": 1, "exits": [exit_], "goals": [], "agents": {}}
+    made = {"base": {"kind": "crowd", **crowd}, "edits": [], "motion": {"kind": "go", "decision": decision}}
     return {"name": f"{people} people", "made": made, "crowd": crowd}
 
 
@@ -60,7 +60,7 @@ def measured(page: Page, url: str, people: int, length: float, to: Path) -> str:
     page.goto(link(url, scene(people)))
     page.wait_for_selector("canvas")
     page.get_by_role("row", name=f"People {people}", exact=True).wait_for(timeout=600_000)
-    assert len(plan(page)["made"]["motion"]["wishes"]["exits"]) == 1
+    assert len(plan(page)["made"]["motion"]["decision"]["exits"]) == 1
     page.get_by_role("button", name="Play").click()
     # The first steps compile.
     page.wait_for_timeout(2000)

@@ -88,7 +88,7 @@ def compare(page: Page) -> None:
     tab(page, "Start")
     page.get_by_role("button", name="Keep this run to compare").click()
     page.get_by_role("slider", name="Width of the door").fill("1.2")
-    wait(page, lambda: [[9, 1.4], [9, 4.6]] == sorted(plan(page)["made"]["motion"]["wishes"]["exits"][0]["line"]))
+    wait(page, lambda: [[9, 1.4], [9, 4.6]] == sorted(plan(page)["made"]["motion"]["decision"]["exits"][0]["line"]))
     show_at(page, 10)
 
 

@@ -104,8 +104,8 @@ def make(trial: Path, room: str, model: str, seed: int) -> None:
         middle = ROOMS[room][1][0][2] / 2
         places = re.findall(r'<Agent Id="(\w+)">\s*<Kinematics Position="([^,]+),', (half / "dynamic" / "AgentDynamics.xml").read_text())
         assert len(places) == people
-        with open(half / "decision.toml", "a") as plan:
-            plan.writelines(f'\n[agents.{person}]\nexit = "door {int(float(x) < middle)}"\n' for person, x in places)
+        with open(half / "decision.toml", "a") as file:
+            file.writelines(f'\n[agents.{person}]\nexit = "door {int(float(x) < middle)}"\n' for person, x in places)
     half.rename(trial)
 
 

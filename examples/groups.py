@@ -44,8 +44,8 @@ def lemons(*words: object) -> str:
     return subprocess.run([LEMONS, *map(str, words)], check=True, capture_output=True, text=True).stdout
 
 
-def plan(trial: Path, seed: int, name: str, more: str = "") -> Path:
-    """The Trial's own settings with others."""
+def write_decision(trial: Path, seed: int, name: str, more: str = "") -> Path:
+    """The Trial's own decision.toml with other keys."""
     text = (trial / "decision.toml").read_text()
     kept = [line for line in text.splitlines() if not line.startswith("desired_speed")]
     path = trial.with_name(f"{trial.name}_{name}.toml")
@@ -53,20 +53,20 @@ def plan(trial: Path, seed: int, name: str, more: str = "") -> Path:
     return path
 
 
-def members(trial: Path, settings: Path) -> list[list[int]]:
+def members(trial: Path, decision: Path) -> list[list[int]]:
     """The groups that were drawn: a Trial that goes on from a run names them."""
-    begun, later, table = (settings.with_suffix(end) for end in (".begun", ".later", ".begun.csv"))
+    begun, later, table = (decision.with_suffix(end) for end in (".begun", ".later", ".begun.csv"))
     shutil.copytree(trial, begun, dirs_exist_ok=True)
-    shutil.copy(settings, begun / "decision.toml")
+    shutil.copy(decision, begun / "decision.toml")
     lemons("run", begun, "--until", 0.05, "-o", table, "--force")
     lemons("export", table, later, "--to", "trial", "--trial", begun, "--force")
     groups = tomllib.loads((later / "decision.toml").read_text()).get("groups", {})
     return [[int(id) for id in group] for group in groups.get("members", [])]
 
 
-def run(trial: Path, settings: Path) -> pd.DataFrame:
-    table = settings.with_suffix(".csv")
-    lemons("run", trial, "--plan", settings, "--until", "left", "--every", EVERY, "-o", table, "--force")
+def run(trial: Path, decision: Path) -> pd.DataFrame:
+    table = decision.with_suffix(".csv")
+    lemons("run", trial, "--decision", decision, "--until", "left", "--every", EVERY, "-o", table, "--force")
     return pd.read_csv(table, comment="#").query("active == 1")
 
 
@@ -98,12 +98,12 @@ def main() -> None:
         trial = given.target / f"corridor_{seed}"
         where = ["--box", "60x8", "--region", "1,0.5,12,7.5", "--door", "60,4,7", "--leave"]
         lemons("crowd", "--number", 24, *where, "--seed", seed, "-o", trial, "--force")
-        alone = run(trial, plan(trial, seed, "alone"))
+        alone = run(trial, write_decision(trial, seed, "alone"))
         for size in given.sizes:
             sizes = [0] * (size - 2) + [1]
-            settings = plan(trial, seed, f"groups_of_{size}", f"groups = {{ share = 1, sizes = {sizes} }}" if size > 1 else "")
-            walk = run(trial, settings)
-            groups = [group for group in members(trial, settings) if len(group) == size]
+            decision = write_decision(trial, seed, f"groups_of_{size}", f"groups = {{ share = 1, sizes = {sizes} }}" if size > 1 else "")
+            walk = run(trial, decision)
+            groups = [group for group in members(trial, decision) if len(group) == size]
             counted = list(itertools.chain(*groups)) if size > 1 else sorted(walk["id"].unique())
             row = {"size": size, "seed": seed, "counted": len(counted), "speed": speeds(walk)[counted].mean()}
             if groups:
@@ -119,12 +119,12 @@ def main() -> None:
         trial = given.target / f"door_{seed}"
         lemons("crowd", "--number", 80, "--box", "8x6", "--door", "8,3,1", "--leave", "--seed", seed, "-o", trial, "--force")
         for part in given.parts:
-            settings = plan(trial, seed, f"part_{part}", f"groups = {{ share = {part} }}")
-            walk = run(trial, settings)
-            groups = members(trial, settings)
+            decision = write_decision(trial, seed, f"part_{part}", f"groups = {{ share = {part} }}")
+            walk = run(trial, decision)
+            groups = members(trial, decision)
             row = {"part": part, "last": walk["t"].max() + 0.01 * EVERY}
             if groups:
-                row |= {"together": spread(walk, groups), "without": spread(run(trial, plan(trial, seed, "alone")), groups)}
+                row |= {"together": spread(walk, groups), "without": spread(run(trial, write_decision(trial, seed, "alone")), groups)}
             rows.append(row)
     doors = pd.DataFrame(rows)
     print("everybody is out after [s], and time from the first of a group to the last [s]")

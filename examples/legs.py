@@ -89,10 +89,10 @@ class Fit:
             with Crowd(self.data / "Trial") as crowd:
                 return np.array([self.one(crowd, {**agents, "TimeStepMechanical": MECHANICAL, **start}, None, until) for start in starts])
         with tempfile.TemporaryDirectory() as place:
-            plan = pathlib.Path(place) / "decision.toml"
+            decision = pathlib.Path(place) / "decision.toml"
             constants = "".join(f"{name} = {value!r}\n" for name, value in values.items())
-            plan.write_text(f'balance = "{self.balance}"\n[{self.balance}]\n{constants}')
-            with Crowd(self.data / "Trial", plan=plan, algorithm="gauss-seidel") as crowd:
+            decision.write_text(f'balance = "{self.balance}"\n[{self.balance}]\n{constants}')
+            with Crowd(self.data / "Trial", decision=decision, algorithm="gauss-seidel") as crowd:
                 both = {f"{fmu}.{name}": value for fmu in ("crowd", "decision") for name, value in agents.items()}
                 settings = [{"TimeStepMechanical": MECHANICAL, **start} for start in starts]
                 settings = [{f"crowd.{name}": value for name, value in one.items()} for one in settings]

@@ -46,19 +46,19 @@ MODELS = {
 
 
 def row(place, model, count):
-    """Writes a Trial with a row, and a plan. Returns what makes a Crowd."""
-    trial, plan = place / f"row{count}", False
+    """Writes a Trial with a row, and a decision.toml. Returns what makes a Crowd."""
+    trial, decision = place / f"row{count}", False
     if not trial.exists():
         lemons("crowd", "-n", count, "--fixed", f"49,{100 * DEPTH:g},1.75,{MASS:g}", "--packing", "grid", "-o", trial)
     if MODELS[model]:
-        plan = place / "legs.toml"
-        plan.write_text(MODELS[model])
-    return {"what": trial, "plan": plan, "algorithm": "gauss-seidel"}
+        decision = place / "legs.toml"
+        decision.write_text(MODELS[model])
+    return {"what": trial, "decision": decision, "algorithm": "gauss-seidel"}
 
 
 def push(made, count, gap, impulse):
     """Returns a run, the middle of everybody's feet, and the impulses of the drives of legs [N s] (step, person)."""
-    owner = "crowd." if made["plan"] else ""
+    owner = "crowd." if made["decision"] else ""
     start = {f"{owner}agent[*].Theta": 0.0, f"{owner}agent[*].Position.y": 0.0}
     start |= {f"{owner}agent[{k}].Position.x": k * (DEPTH + gap) for k in range(count)}
     times = np.arange(0, PUSH + STEP, STEP)
@@ -69,7 +69,7 @@ def push(made, count, gap, impulse):
         crowd.reset(start)
 
         def look(crowd):
-            if made["plan"]:
+            if made["decision"]:
                 agents = [f"decision.agent[{k}]." for k in range(count)]
                 feet.append([[crowd[agent + "Legs.x"], crowd[agent + "Legs.y"]] for agent in agents])
                 drives.append([crowd[agent + "Fp.x"] for agent in agents])

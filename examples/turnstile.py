@@ -64,8 +64,8 @@ def make(target: Path, seed: int) -> None:
     places = ["--geometry", "hall.xml", "--region", "0,0.2,7.5,5.8", "--number", PEOPLE, "--seed", seed]
     leaving = ["--leave", "--exit", f"{DOOR + 1},1,{DOOR + 1},5"]
     run(target, LEMONS, "crowd", *places, *leaving, "-o", f"hall_{seed}", "--force")
-    with (target / f"hall_{seed}/decision.toml").open("a", encoding="utf-8") as plan:
-        plan.write(HURRY)
+    with (target / f"hall_{seed}/decision.toml").open("a", encoding="utf-8") as file:
+        file.write(HURRY)
     run(target, sys.executable, CONTROLLERS / "pack_turnstile.py", PEOPLE, "-o", "turnstile.fmu")
     run(target, LEMONS, "decide", f"hall_{seed}", "--fmi", 3, "-o", "decision.fmu", "--force")
     run(target, LEMONS, "pack", f"hall_{seed}", "--fmi", 3, "-o", "crowd.fmu", "--force")

@@ -73,7 +73,7 @@ def speeds_of(count, seed, mean=SPEED, spread=SPREAD):
     return mean + spread * drawn[np.abs(drawn) <= 2][:count]
 
 
-def write_plan(trial, model, speeds, exits=(), waypoints=None, constants=""):
+def write_decision(trial, model, speeds, exits=(), waypoints=None, constants=""):
     """Writes decision.toml. Speeds: of all, or of each; waypoints: of each, [(x, y, radius), ...]."""
     speeds = np.atleast_1d(speeds)
     lines = [f'model = "{model}"', f"desired_speed = {speeds[0]:.4f}"]
@@ -91,7 +91,7 @@ def write_plan(trial, model, speeds, exits=(), waypoints=None, constants=""):
 
 
 def make(trial, walls, count, region=None, seed=1, **options):
-    """Makes a Trial of people who stand in a region, drawn from the survey, without a plan. Returns their poses.
+    """Makes a Trial of people who stand in a region, drawn from the survey, without a decision.toml. Returns their poses.
 
     A region is a text for `lemons crowd` or its numbers. Several texts may have numbers of people of their own: then count is None.
     """
@@ -198,7 +198,7 @@ def markdown(head, rows):
 def walks_alone(trial, model, speed):
     """The time [s] in which one person walks 40 m in a corridor 2 m wide, from x = 0 to x = 40 m."""
     make(trial, [[(-2, 0), (44, 0)], [(-2, 2), (44, 2)]], 1, "-1.5,0.6,-0.5,1.4", orientation="fixed", fixed="49,25,1.75,70")
-    write_plan(trial, model, speed, exits=[((42, 0), (42, 2))])
+    write_decision(trial, model, speed, exits=[((42, 0), (42, 2))])
     summary, _ = measured(trial, run(trial), line("in", (0, 0), (0, 2)), line("out", (40, 0), (40, 2)))
     start, end = (each["directions"][0]["first"] for each in summary["lines"])
     return end - start
@@ -247,7 +247,7 @@ def around_corner(trial, model, seed):
     """Twenty people walk around a corner to the left. Returns the rows of the run, the number of places outside of the
     walls, and how deep somebody is in a wall [mm]."""
     make(trial, [CORNER_WALL], 20, "0,0,6,2", seed)
-    write_plan(trial, model, speeds_of(20, seed), exits=[((10, 11.5), (12, 11.5))])
+    write_decision(trial, model, speeds_of(20, seed), exits=[((10, 11.5), (12, 11.5))])
     frames = frames_of(run(trial))
     outside = int((~inside(CORNER, frames[["x", "y"]].to_numpy())).sum())
     return frames, outside, 1000 * deepest_in_walls(frames, shapes_of(trial), [CORNER_WALL])
@@ -304,7 +304,7 @@ def rimea_9(work, quick=False):
             trial = work / f"rimea_9_{model}_{doors}"
             make(trial, walls_with_doors(wide, high, cut), count, (0, 0, wide, high), 1)
             outer = [((x - 1.5, y - 1), (x + 1.5, y - 1)) if y == 0 else ((x - 1.5, y + 1), (x + 1.5, y + 1)) for x, y in cut]
-            write_plan(trial, model, speeds_of(count, 1), exits=outer)
+            write_decision(trial, model, speeds_of(count, 1), exits=outer)
             frames = frames_of(run(trial))
             last = np.sort(frames.groupby("id")["t"].max().to_numpy())
             curves[model, doors] = last[last < MOST - 1]
@@ -337,7 +337,7 @@ def rimea_12(work, quick=False):
     for model in MODELS:
         trial = work / f"rimea_12_{model}"
         make(trial, walls, count, (0, 0, 5, 10), 1)
-        write_plan(trial, model, speeds_of(count, 1), exits=[((27.5, 4), (27.5, 6))])
+        write_decision(trial, model, speeds_of(count, 1), exits=[((27.5, 4), (27.5, 6))])
         table = run(trial, 2 * MOST)
         areas = ["--area=first=8,4,10,6", "--area=second=23,4,25,6"]
         lines = [line("first", (10.5, 4.5), (10.5, 5.5)), line("second", (25.5, 4.5), (25.5, 5.5))]
@@ -424,7 +424,7 @@ def in_single_file(trial, model, count, until):
     angles = 2 * math.pi * np.arange(count) / count
     poses = np.column_stack([radius * np.cos(angles), radius * np.sin(angles), angles + math.pi / 2])
     move(trial, poses)
-    write_plan(trial, model, SPEED, waypoints=[course(radius, angle, until * SPEED) for angle in angles])
+    write_decision(trial, model, SPEED, waypoints=[course(radius, angle, until * SPEED) for angle in angles])
     speed, real = around(frames_of(run(trial, until)), (until / 2, until))
     return speed.mean(), 2 * math.pi * real.mean() / count
 
@@ -471,7 +471,7 @@ def walk_around(trial, model, count, until, **options):
     lanes = np.clip(np.hypot(poses[:, 0], poses[:, 1]), RING[0] + 0.3, RING[1] - 0.3)
     angles = np.arctan2(poses[:, 1], poses[:, 0])
     ways = [course(lane, angle, until * 1.6, near=1.0) for lane, angle in zip(lanes, angles)]
-    write_plan(trial, model, speeds_of(count, 1), waypoints=ways)
+    write_decision(trial, model, speeds_of(count, 1), waypoints=ways)
     return around(frames_of(run(trial, until)), (until / 2, until))[0]
 
 
@@ -542,7 +542,7 @@ def leave(work, model, width, count, seed, speed=SPEED, spread=SPREAD, constants
         agents = trial / "static" / "Agents.xml"
         agents.write_text(re.sub(r'(Floor|Angular)Damping="[^"]*"', rf'\1Damping="{damping}"', agents.read_text()))
     exits = [((x + PASSAGE + 1.5, y - 1.5), (x + PASSAGE + 1.5, y + 1.5))]
-    write_plan(trial, model, speeds_of(count, seed, speed, spread), exits=exits, constants=constants)
+    write_decision(trial, model, speeds_of(count, seed, speed, spread), exits=exits, constants=constants)
     across = line("passage", (x + PASSAGE / 2, y - width / 2), (x + PASSAGE / 2, y + width / 2))
     _, tables = measured(trial, run(trial), across)
     gaps = tables["gaps"]

@@ -94,11 +94,11 @@ def simulate(model, density, arguments, place):
     trial = place / "trial"
     options = ["--material", arguments.material] if arguments.material else []
     lemons("crowd", "--number", arguments.number, "--box", f"{side}x{side}", "--seed", arguments.seed, "-o", trial, "--force", *options)
-    plan = False
+    decision = False
     if MODELS[model]:
-        plan = place / "legs.toml"
-        plan.write_text(MODELS[model])
-    with Crowd(trial, plan=plan) as crowd:
+        decision = place / "legs.toml"
+        decision.write_text(MODELS[model])
+    with Crowd(trial, decision=decision) as crowd:
         run = crowd.run(agitation(arguments.number, arguments.until, arguments.seed), until=arguments.until, step=STEP)
     return run, side
 

@@ -143,7 +143,7 @@ def coupled(number, seed, end=END):
     with tempfile.TemporaryDirectory() as scratch:
         rings = [AREA.exterior, *AREA.interiors]
         trial = write_trial(f"{scratch}/trial", places, np.zeros(number), [list(ring.coords) for ring in rings], seed)
-        with Crowd(trial, plan=False) as crowd:
+        with Crowd(trial, decision=False) as crowd:
             walkers = Walkers(crowd, speeds, trial.inertias, np.random.default_rng(seed + 1))
             while crowd.time < end and np.any(crowd.active):
                 bodies = crowd.poses()[:, :2]

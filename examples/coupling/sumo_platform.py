@@ -143,7 +143,7 @@ class Platform:
         self.bodies = Bodies(trial.shapes)
         self.spots = doors + random.uniform((-1.4, 0.85), (1.4, depth - 0.65), (number, 2))  # m, where each wants to wait
         self.since = np.full(number, math.inf)  # s, when each has come
-        self.crowd = Crowd(trial, {f"agent[{i}].Active": False for i in range(number)}, plan=False)
+        self.crowd = Crowd(trial, {f"agent[{i}].Active": False for i in range(number)}, decision=False)
         self.walkers = Walkers(self.crowd, desired_speeds(number, random), trial.inertias, random)
 
     def step(self, time, off, boarding):

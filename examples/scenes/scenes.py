@@ -33,13 +33,13 @@ def lemons(*words):
 
 
 def make(trial, *words):
-    """Makes a Trial by `lemons crowd --leave`. Returns its plan, in which each has the speed of its kind."""
+    """Makes a Trial by `lemons crowd --leave`. Returns its decision.toml, in which each has the speed of its kind."""
     lemons("crowd", "--leave", "--time-step", 0.02, "-o", trial, "--force", *words)
     return tomllib.loads((trial / "decision.toml").read_text())
 
 
 def write(trial, head, agents):
-    """Writes another plan: keys for everybody, and a table of keys for each."""
+    """Writes another decision.toml: keys for everybody, and a table of keys for each."""
     parts = [f"[agents.{number}]\n" + "\n".join(f"{key} = {value}" for key, value in keys.items()) for number, keys in agents.items()]
     (trial / "decision.toml").write_text("\n".join([head, *parts, ""]))
 
@@ -77,13 +77,13 @@ def picture(trial, file, *words):
 def concert(out, pictures):
     """160 people before a stage of 8 m: adults, children, adults with a child at the hand. All want to get to the stage's front."""
     trial = out / "concert"
-    plan = make(
+    decision = make(
         *(trial, "--box", "10x9", "--region", "0,0.5,8,8.5", "--number", 160, "--seed", 3),
         *("--mix", "adult=55,child=15,with-child=20,elderly=10", "--exit", "9.5,0.5,9.5,8.5"),
     )
     # The front is 1 m deep. People press with 50 N, some with more, some with less.
     head = 'model = "rotational"\npush = 50.0\npush_sd = 25.0\ngoals = [{ name = "stage", polygon = [[9, 0.5], [10, 0.5], [10, 8.5], [9, 8.5]] }]'
-    write(trial, head, plan["agents"])
+    write(trial, head, decision["agents"])
     summary, people, _ = measure(trial, 40, "--area", "front=8,0.5,10,8.5", "--walls")
     walls = list(csv.DictReader((out / "concert_measures" / "walls.csv").open()))
     stage = max(walls, key=lambda row: float(row["x1"]) + float(row["x2"]))
@@ -97,9 +97,9 @@ def platform(out, pictures):
     """63 people on a platform of 24 m x 5 m: 42 board a train by three doors of 1.3 m, every third one waits for another train."""
     trial = out / "platform"
     doors = [word for x in (4, 12, 20) for word in ("--door", f"{x},0,1.3")]
-    plan = make(trial, "--box", "24x5", "--number", 63, "--seed", 5, "--mix", "adult=45,suitcase=25,backpack=20,stroller=10", *doors)
+    decision = make(trial, "--box", "24x5", "--number", 63, "--seed", 5, "--mix", "adult=45,suitcase=25,backpack=20,stroller=10", *doors)
     exits = ",\n".join(f"  {{ line = [[{x - 1.5}, -1], [{x + 1.5}, -1]] }}" for x in (4, 12, 20))
-    agents = plan["agents"]
+    agents = decision["agents"]
     for number in range(0, 63, 3):
         agents[str(number)]["start"] = 3600.0
     write(trial, f'model = "rotational"\nexit_choice = "time"\nexits = [\n{exits},\n]', agents)

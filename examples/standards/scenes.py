@@ -32,7 +32,7 @@ def at_once(function, items):
         return list(pool.map(function, items))
 
 
-def plan(trial, exits, agents=(), speed=SPEED, model=MODEL, **others):
+def write_decision(trial, exits, agents=(), speed=SPEED, model=MODEL, **others):
     """Writes decision.toml. Exits: by name a line, and a text of other keys. Agents: a text of keys for each. Others: keys for
     everybody, as TOML."""
     lines = [f'model = "{model}"', f"desired_speed = {speed}", *(f"{key} = {value}" for key, value in others.items()), "exits = ["]
@@ -122,9 +122,9 @@ def premovement(work, distribution, given=False, seeds=10):
         exits = {"door": ((9, 1), (9, 4))}
         if given:
             asked = continuous.rvs(10, random_state=seed).round(3)
-            plan(trial, exits, [f"start = {time:.3f}" for time in asked])
+            write_decision(trial, exits, [f"start = {time:.3f}" for time in asked])
         else:
-            plan(trial, exits, start=text, seed=seed)
+            write_decision(trial, exits, start=text, seed=seed)
             asked = drawn(trial, "Start")
         table = trial.with_suffix(".csv")
         until = math.ceil(asked.max()) + 1
@@ -173,7 +173,7 @@ def speeds(work, people, seed=1, mean=None, sd=None, low=None, high=None):
         # Cut at three standard deviations: decision.toml needs bounds.
         text = f"{{ mean = {mean}, sd = {sd}, min = {mean - 3 * sd:.4f}, max = {mean + 3 * sd:.4f} }}"
         continuous = stats.truncnorm(-3, 3, mean, sd)
-    plan(trial, {"other side": ((99, 0), (99, 100))}, speed=text, seed=seed)
+    write_decision(trial, {"other side": ((99, 0), (99, 100))}, speed=text, seed=seed)
     _, tables = walk(trial, line("in", (40, 0), (40, 100)), line("out", (70, 0), (70, 100)))
     start, end = crossed(tables, "in"), crossed(tables, "out")
     found = (30 / (end - start)).sort_index()
@@ -230,7 +230,7 @@ def corridor_of_60(work, counts=(60, 120, 240, 360, 480)):
     def once(count):
         trial = work / f"corridor_60_{count}"
         make(trial, [[(61, 0), (0, 0), (0, 2), (61, 2)]], count, (0, 0, 60, 2), 1)
-        plan(trial, {"end": ((60.5, 0), (60.5, 2))}, speed=1.0)
+        write_decision(trial, {"end": ((60.5, 0), (60.5, 2))}, speed=1.0)
         summary, tables = walk(trial, line("A", (20, 0), (20, 2)), line("B", (40, 0), (40, 2)), "--area=zone2=20,0,40,2")
         a, b = crossed(tables, "A"), crossed(tables, "B")
         through = b[b.index.isin(a.index)]
@@ -265,7 +265,7 @@ def exit_flow(work, seeds=3, model=MODEL):
     def once(seed):
         trial = work / f"exit_flow_{model}_{seed}"
         make(trial, room(8, 5, 1, 2.5), 100, (0, 0, 8, 5), seed)
-        plan(trial, {"door": ((9, 1), (9, 4))}, each_speed(100, seed), model=model)
+        write_decision(trial, {"door": ((9, 1), (9, 4))}, each_speed(100, seed), model=model)
         times = crossed(walk(trial, line("door", (8, 2), (8, 3)))[1], "door")
         return len(times), len(times) / times.max()
 
@@ -280,7 +280,7 @@ def congestion(work, people=100, seed=1):
     """
     trial = work / f"congestion_{people}"
     make(trial, room(8, 5, 2, 2.5, 12), people, (0, 0, 8, 5), seed)
-    plan(trial, {"end": ((19, 1.5), (19, 3.5))}, each_speed(people, seed))
+    write_decision(trial, {"end": ((19, 1.5), (19, 3.5))}, each_speed(people, seed))
     lines = line("in", (8, 1.5), (8, 3.5)), line("end", (18, 1.5), (18, 3.5))
     summary, tables = walk(trial, *lines, "--area=before=6,1.5,8,3.5", "--area=corridor=12,1.5,16,3.5")
     inside = crossed(tables, "in")
@@ -313,7 +313,7 @@ def counterflow(work, oncoming=(0, 10, 50, 100), seeds=2):
         make(trial, walls, None, regions, seed)
         x = validation.poses_of(trial)[:, 0]
         exits = {"right": ((29.5, 0), (29.5, 10)), "left": ((0.5, 0), (0.5, 10))}
-        plan(trial, exits, [f'exit = "{"right" if place < 10 else "left"}"' for place in x], speed="{ min = 0.97, max = 1.62 }", seed=seed)
+        write_decision(trial, exits, [f'exit = "{"right" if place < 10 else "left"}"' for place in x], speed="{ min = 0.97, max = 1.62 }", seed=seed)
         summary, tables = walk(trial, line("room2", (20, 4), (20, 6)), until=600)
         times = crossed(tables, "room2")
         return times.max() if len(times) == 100 else math.nan
@@ -344,7 +344,7 @@ def wheelchair(work, seeds=5):
         make(own, [around], 1, "2.6,1.8,4,3.2", seed, orientation="fixed", mix=kinds)
         make(trial, [around], 24, "0,0,2.5,5", seed)
         add(trial, own)
-        plan(trial, {"out": ((20.5, 0.5), (20.5, 4.5))}, ["desired_speed = 1.25"] * 24 + [f"desired_speed = {0.8 if chair else 1.25}"])
+        write_decision(trial, {"out": ((20.5, 0.5), (20.5, 4.5))}, ["desired_speed = 1.25"] * 24 + [f"desired_speed = {0.8 if chair else 1.25}"])
         _, tables = walk(trial, line("out", (20, 1), (20, 4)))
         times = crossed(tables, "out")
         return times[times.index != 24].max() if len(times) == 25 else math.nan
@@ -399,7 +399,7 @@ def routes(work, seed=1):
     poses = validation.poses_of(trial)
     rooms = (poses[:, 0] // 3).astype(int) + np.where(poses[:, 1] > 5.5, 1, 7)
     asked = np.where(np.isin(rooms, [5, 6, 11, 12]), "secondary", "main")
-    plan(trial, {"main": ((-0.8, 5), (-0.8, 6)), "secondary": ((18.8, 5), (18.8, 6))}, [f'exit = "{name}"' for name in asked])
+    write_decision(trial, {"main": ((-0.8, 5), (-0.8, 6)), "secondary": ((18.8, 5), (18.8, 6))}, [f'exit = "{name}"' for name in asked])
     table = validation.run(trial, 120)
     _, tables = validation.measured(trial, table, line("main", (0, 5), (0, 6)), line("secondary", (18, 5), (18, 6)))
     used = {name: set(crossed(tables, name, direction).index) for name, direction in (("main", "left"), ("secondary", "right"))}
@@ -417,7 +417,7 @@ def doors(work, wide, high, xs, people=1000, seed=1):
         cut = [(x, y) for y in ((0, high) if four else (0,)) for x in xs]
         make(trial, validation.walls_with_doors(wide, high, cut), people, (0, 0, wide, high), seed)
         out = {f"{x}, {y}": ((x - 1.5, y - 1), (x + 1.5, y - 1)) if y == 0 else ((x - 1.5, y + 1), (x + 1.5, y + 1)) for x, y in cut}
-        plan(trial, out, each_speed(people, seed))
+        write_decision(trial, out, each_speed(people, seed))
         summary, _ = walk(trial)
         return summary["left"]["people"], summary["left"]["last"]
 
@@ -433,7 +433,7 @@ def choice(work, wide, high, xs, people=1000, seed=1):
     walls = validation.walls_with_doors(wide, high, [(x, high) for x in xs]) + around
     make(trial, walls, people, (0, 0, wide / 3, high), seed)
     exits = {name: ((x - 1.1, high + 1), (x + 1.1, high + 1)) for name, x in zip(("near", "far"), xs)}
-    plan(trial, exits, each_speed(people, seed), exit_choice='"time"')
+    write_decision(trial, exits, each_speed(people, seed), exit_choice='"time"')
     lines = [line(name, (x + 0.5, high), (x - 0.5, high)) for name, x in zip(exits, xs)]
     areas = [f"--area={name}={x - 2},{high - 3},{x + 2},{high}" for name, x in zip(exits, xs)]
     summary, tables = walk(trial, *lines, *areas)
@@ -452,7 +452,7 @@ def familiar(work, people=100, seed=1):
         make(trial, validation.walls_with_doors(15, 10, cut), people, (6, 1, 9, 6), seed)
         factors = zip("AB", cut, (1.0, factor))
         exits = {name: ((x - 1.5, 11), (x + 1.5, 11), f"time_factor = {own}") for name, (x, _), own in factors}
-        plan(trial, exits, each_speed(people, seed), seed=seed, exit_choice='"time"')
+        write_decision(trial, exits, each_speed(people, seed), seed=seed, exit_choice='"time"')
         _, tables = walk(trial, *(line(name, (x + 0.5, 10), (x - 0.5, 10)) for name, (x, _) in zip("AB", cut)))
         return [len(crossed(tables, name)) for name in "AB"]
 
@@ -469,7 +469,7 @@ def closing_exit(work, seed=1):
     make(trial, walls, 1, "4.6,0.3,5.3,1.2", seed, orientation="fixed", fixed="49,25,1.75,70")
     pose = validation.poses_of(trial)
     validation.move(trial, np.array([[4.9, 0.6, pose[0, 2]]]))
-    plan(trial, {"first": ((-1, 13), (-1, 15), "open = [[0, 1]]"), "second": ((11, 13), (11, 15))})
+    write_decision(trial, {"first": ((-1, 13), (-1, 15), "open = [[0, 1]]"), "second": ((11, 13), (11, 15))})
     table = validation.run(trial, 40)
     frames = validation.frames_of(table)
     _, tables = validation.measured(trial, table, line("first", (0, 13.5), (0, 14.5)), line("second", (10, 14.5), (10, 13.5)))
@@ -488,7 +488,7 @@ def groups(work, fast, slow, others, seed=1):
         make(trial, walls, None, ["5,16,10,19.5; number=5", "2,8,13,12; number=10"], seed)
         speeds = [fast] * 4 + [slow] + [others] * 10
         more = {"groups": '{ members = [["0", "1", "2", "3", "4"]] }'} if together else {}
-        plan(trial, {"door": ((5, -1), (10, -1))}, [f"desired_speed = {speed}" for speed in speeds], seed=seed, **more)
+        write_decision(trial, {"door": ((5, -1), (10, -1))}, [f"desired_speed = {speed}" for speed in speeds], seed=seed, **more)
         times = crossed(walk(trial, line("door", (7, 0), (8, 0)))[1], "door")
         own = times[times.index < 5]
         return (own.max() - own.min() if len(own) == 5 else math.nan), own.max()
@@ -518,7 +518,7 @@ def rooms_in_a_row(trial, seed, width=1.0, length=0.2, goal=10.0, second=False, 
         goal = x + goal
     make(trial, walls, people, (0, 0, 5, 10), seed)
     at_neck = goal <= x + 0.01
-    plan(trial, {"goal": ((goal, low if at_neck else 0), (goal, high if at_neck else 10))}, each_speed(people, seed))
+    write_decision(trial, {"goal": ((goal, low if at_neck else 0), (goal, high if at_neck else 10))}, each_speed(people, seed))
     words = [line("first", (10 + length / 2, low), (10 + length / 2, high))]
     if second:
         words += [line("second", (y - length / 2, low), (y - length / 2, high))]
@@ -582,7 +582,7 @@ def large_corner(work, people=500, seed=1):
             walls = [[(50, 34), (0, 34), (0, -6), (20, -6), (20, 14), (52, 14)], [(50, 34), (52, 34)]]
             end, words = ((51, 14), (51, 34)), line("end", (50, 14), (50, 34))
         make(trial, walls, people, (0, -6, 20, 0), seed)
-        plan(trial, {"end": end}, each_speed(people, seed))
+        write_decision(trial, {"end": end}, each_speed(people, seed))
         table = trial.with_suffix(".csv")
         validation.lemons("run", trial, "--until", "left", "--every", 25, "-o", table, "--force")
         times = crossed(validation.measured(trial, table, words)[1], "end")

@@ -7,7 +7,7 @@ import { isVector, setPicture } from "./backdrop";
 import { crowdFits, MOST, roomFits } from "./forms";
 import { t } from "./language";
 import { Button, Check, Choice, NumberField } from "./parts";
-import { FIRST_WISHES, shaped } from "./places";
+import { FIRST_DECISION, shaped } from "./places";
 import { arrived, change, plan } from "./plan";
 import type { DrawingRequest, Door, Motion, Proposed, Understood } from "./protocol";
 import { distance } from "./roomshape";
@@ -97,7 +97,7 @@ function make({ given, found }: Drawing) {
     const places = exits.value ? found.exits.map(({ name, corners }) => shaped({ name: name.slice(0, MOST.name), line: null, polygon: null, share: null, open: null }, corners)) : [];
     const large = places.length > MOST.places || places.some(({ polygon }) => (polygon?.length ?? 0) > MOST.corners);
     if (large) throw new Error(t('"{name}": this page takes up to {places} exits with up to {corners} corners: leave its exits out', { name: given.file.name, places: MOST.places, corners: MOST.corners }));
-    const motion: Motion = places.length > 0 ? { kind: "go", wishes: { ...FIRST_WISHES, exits: places } } : { kind: "none" };
+    const motion: Motion = places.length > 0 ? { kind: "go", decision: { ...FIRST_DECISION, exits: places } } : { kind: "none" };
     if (!crowdFits(next)) throw new Error(t('"{name}": this page takes up to {corners} corners of the area where people stand: leave that area out', { name: given.file.name, corners: MOST.corners }));
     const base = { kind: "crowd" as const, ...next };
     making = JSON.stringify(base);

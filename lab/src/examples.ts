@@ -2,7 +2,7 @@
 
 import { FIRST_CROWD, type KeptCrowd } from "./forms";
 import { type Plain, t } from "./language";
-import { FIRST_WISHES } from "./places";
+import { FIRST_DECISION } from "./places";
 import type { Made } from "./plan";
 import type { Motion, Point, Push, WalkingModelName } from "./protocol";
 import { rectangle } from "./roomshape";
@@ -23,7 +23,7 @@ function crowd(part: Partial<KeptCrowd>, motion: Motion): Made {
 /** Exits as the page puts them beyond doors: 1 m away and 2 m longer. */
 function leave(lines: Record<string, [Point, Point]>, model: WalkingModelName = "rotational"): Motion {
     const exits = Object.entries(lines).map(([name, line]) => ({ name, line, polygon: null, share: null, open: null }));
-    return { kind: "go", wishes: { ...FIRST_WISHES, model, exits } };
+    return { kind: "go", decision: { ...FIRST_DECISION, model, exits } };
 }
 
 const shove: Omit<Push, "at"> = { radius: 0.75, direction: 0, force: 600, start: 0.2, duration: 0.6 };

@@ -6,10 +6,10 @@ import { inner, t } from "./language";
 import { begin, mode as now, type Mode, picked } from "./motionstate";
 import { MOST } from "./forms";
 import { OpenTimes } from "./opentimes";
-import { remove, setWishes } from "./exittool";
+import { remove, setDecision } from "./exittool";
 import { Button, Check, Choice, Field, named, NumberField, PointRow } from "./parts";
 import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, ROTATIONAL, shaped } from "./places";
-import type { BalanceName, Place, Point, Rotational, WalkingModelName, Wishes } from "./protocol";
+import type { BalanceName, DecisionConfig, Place, Point, Rotational, WalkingModelName } from "./protocol";
 import { film, selected } from "./session";
 
 const MODELS: [WalkingModelName, name: string, use: string][] = [
@@ -43,49 +43,49 @@ const HINTS: Partial<Record<Mode, string>> = {
     "goal area": t("Click the corners of the area in which people stay. {ends}", { ends: ENDS }),
 };
 
-export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
-    const places = placesOf(wishes);
+export function Exits({ decision, middle }: { decision: DecisionConfig; middle: Point }) {
+    const places = placesOf(decision);
     const hint = HINTS[now.value];
     return (
         <>
-            <Choice label={t("How they walk among others")} value={wishes.model} choices={MODELS} onChange={(model) => setWishes({ ...wishes, model, rotational: null })} />
-            <p class="note">{MODELS.find(([model]) => model === wishes.model)![2]}</p>
-            {wishes.model === "rotational" && <Constants wishes={wishes} />}
-            <BalanceChoice value={wishes.balance} onChange={(balance) => setWishes({ ...wishes, balance })} />
-            <Check label={t("Limit how hard people push ahead")} value={wishes.push !== null} onChange={(on) => setWishes({ ...wishes, push: on ? 100 : null })} />
-            {wishes.push !== null && <NumberField label={t("Greatest push")} unit="N" value={wishes.push} min={0} max={1e5} step={10} onChange={(push) => setWishes({ ...wishes, push })} />}
-            <Check label={t("Some walk in groups, such as families")} value={wishes.groups !== null} onChange={(on) => setWishes({ ...wishes, groups: on ? { share: 0.5 } : null })} />
-            {wishes.groups !== null && <NumberField label={t("People in groups")} unit="%" value={Math.round(100 * wishes.groups.share)} min={0} max={100} step={5} onChange={(percent) => setWishes({ ...wishes, groups: { share: percent / 100 } })} />}
-            <Check label={t("Not all start at once")} value={wishes.start !== null} onChange={(on) => setWishes({ ...wishes, start: on ? { min: 0, max: 30 } : null })} />
-            {wishes.start !== null && <Starts start={wishes.start} onChange={(start) => setWishes({ ...wishes, start })} />}
+            <Choice label={t("How they walk among others")} value={decision.model} choices={MODELS} onChange={(model) => setDecision({ ...decision, model, rotational: null })} />
+            <p class="note">{MODELS.find(([model]) => model === decision.model)![2]}</p>
+            {decision.model === "rotational" && <Constants decision={decision} />}
+            <BalanceChoice value={decision.balance} onChange={(balance) => setDecision({ ...decision, balance })} />
+            <Check label={t("Limit how hard people push ahead")} value={decision.push !== null} onChange={(on) => setDecision({ ...decision, push: on ? 100 : null })} />
+            {decision.push !== null && <NumberField label={t("Greatest push")} unit="N" value={decision.push} min={0} max={1e5} step={10} onChange={(push) => setDecision({ ...decision, push })} />}
+            <Check label={t("Some walk in groups, such as families")} value={decision.groups !== null} onChange={(on) => setDecision({ ...decision, groups: on ? { share: 0.5 } : null })} />
+            {decision.groups !== null && <NumberField label={t("People in groups")} unit="%" value={Math.round(100 * decision.groups.share)} min={0} max={100} step={5} onChange={(percent) => setDecision({ ...decision, groups: { share: percent / 100 } })} />}
+            <Check label={t("Not all start at once")} value={decision.start !== null} onChange={(on) => setDecision({ ...decision, start: on ? { min: 0, max: 30 } : null })} />
+            {decision.start !== null && <Starts start={decision.start} onChange={(start) => setDecision({ ...decision, start })} />}
             <div class="row">
-                <NumberField label={t("Desired speed")} unit="m/s" value={wishes.desired_speed} min={0} max={20} step={0.1} onChange={(desired_speed) => setWishes({ ...wishes, desired_speed })} />
-                <NumberField label={t("Seed")} value={wishes.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => setWishes({ ...wishes, seed })} />
+                <NumberField label={t("Desired speed")} unit="m/s" value={decision.desired_speed} min={0} max={20} step={0.1} onChange={(desired_speed) => setDecision({ ...decision, desired_speed })} />
+                <NumberField label={t("Seed")} value={decision.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => setDecision({ ...decision, seed })} />
             </div>
             <KindSpeeds />
-            {places.length < MOST.places && <Draw wishes={wishes} middle={middle} />}
+            {places.length < MOST.places && <Draw decision={decision} middle={middle} />}
             <p class="note" role="status">
                 {hint ? `${hint} ${t("Esc ends it without a change.")} ${t("Hold Shift for right angles.")}` : t("Drag corners on the picture, or all of it by its name; Delete removes what is marked.")}
             </p>
             {places.length === 0 && <p class="note">{t("There is no exit yet: nobody walks. Put exits about 1 m beyond doors, where they hold nobody up.")}</p>}
-            {wishes.exits.length > 1 && (
+            {decision.exits.length > 1 && (
                 <Check
                     label={t("Each exit gets a share of the people")}
-                    value={hasShares(wishes)}
-                    onChange={(on) => setWishes({ ...wishes, exits: wishes.exits.map((exit) => ({ ...exit, share: on ? 1 : null })) })}
+                    value={hasShares(decision)}
+                    onChange={(on) => setDecision({ ...decision, exits: decision.exits.map((exit) => ({ ...exit, share: on ? 1 : null })) })}
                 />
             )}
             {places.map((place, k) => (
-                <Fields key={k} wishes={wishes} place={place} k={k} />
+                <Fields key={k} decision={decision} place={place} k={k} />
             ))}
-            {places.length > 0 && <p class="note">{whoGoesWhere(wishes)}</p>}
-            {places.length > 1 && <Own wishes={wishes} />}
+            {places.length > 0 && <p class="note">{whoGoesWhere(decision)}</p>}
+            {places.length > 1 && <Own decision={decision} />}
         </>
     );
 }
 
 /** From when to when people start to walk, which is their premovement time. */
-function Starts({ start: { min, max }, onChange }: { start: NonNullable<Wishes["start"]>; onChange(start: NonNullable<Wishes["start"]>): void }) {
+function Starts({ start: { min, max }, onChange }: { start: NonNullable<DecisionConfig["start"]>; onChange(start: NonNullable<DecisionConfig["start"]>): void }) {
     return (
         <>
             <div class="row">
@@ -112,42 +112,42 @@ const CONSTANTS: [keyof Rotational, string, string, number, number][] = [
     ["acceleration", t("Greatest acceleration"), "m/s²", 0.1, 0.1],
 ];
 
-function Constants({ wishes }: { wishes: Wishes }) {
-    const now = wishes.rotational ?? ROTATIONAL;
+function Constants({ decision }: { decision: DecisionConfig }) {
+    const now = decision.rotational ?? ROTATIONAL;
     return (
         <details>
             <summary>{t("Constants of the model")}</summary>
             {CONSTANTS.map(([key, label, unit, min, step]) => (
-                <NumberField key={key} label={label} unit={unit} value={now[key]} min={min} max={100} step={step} onChange={(value) => setWishes({ ...wishes, rotational: { ...now, [key]: value } })} />
+                <NumberField key={key} label={label} unit={unit} value={now[key]} min={min} max={100} step={step} onChange={(value) => setDecision({ ...decision, rotational: { ...now, [key]: value } })} />
             ))}
         </details>
     );
 }
 
-function whoGoesWhere(wishes: Wishes) {
-    const { exits, goals } = wishes;
+function whoGoesWhere(decision: DecisionConfig) {
+    const { exits, goals } = decision;
     if (exits.length === 0) return goals.length > 1 ? t("Everybody goes to the goal that is nearest on foot at the start.") : t("Everybody goes to the goal.");
-    const exit = hasShares(wishes) ? t("Exits are taken by their shares; the seed chooses by whom.") : exits.length > 1 ? t("Everybody takes the exit by which they expect to be out first, by distance and queue.") : t("Everybody takes the exit.");
+    const exit = hasShares(decision) ? t("Exits are taken by their shares; the seed chooses by whom.") : exits.length > 1 ? t("Everybody takes the exit by which they expect to be out first, by distance and queue.") : t("Everybody takes the exit.");
     return goals.length > 0 ? `${exit} ${t("To a goal go those for whom you choose it here.")}` : exit;
 }
 
-function Draw({ wishes, middle }: { wishes: Wishes; middle: Point }) {
+function Draw({ decision, middle }: { decision: DecisionConfig; middle: Point }) {
     const doors = film.value?.scene.beyond_doors ?? [];
-    const known = wishes.exits.map(({ line }) => JSON.stringify(line));
+    const known = decision.exits.map(({ line }) => JSON.stringify(line));
     const missing = doors.filter((line) => !known.includes(JSON.stringify(line)));
     return (
         <>
-            <Ways kind="exit" wishes={wishes} middle={middle}>
-                <Button words={t("Put an exit beyond each door")} disabled={missing.length === 0} onClick={() => setWishes(missing.reduce((all, line) => added(all, "exit", line, "door"), wishes))} />
+            <Ways kind="exit" decision={decision} middle={middle}>
+                <Button words={t("Put an exit beyond each door")} disabled={missing.length === 0} onClick={() => setDecision(missing.reduce((all, line) => added(all, "exit", line, "door"), decision))} />
             </Ways>
-            <Ways kind="goal" wishes={wishes} middle={middle} />
+            <Ways kind="goal" decision={decision} middle={middle} />
             {doors.length === 0 && <p class="note">{t("The room on the picture has no doors of the tab Room.")}</p>}
         </>
     );
 }
 
 /** How an exit or a goal can be made. */
-function Ways({ kind, wishes, middle: [x, y], children }: { kind: Kind; wishes: Wishes; middle: Point; children?: ComponentChildren }) {
+function Ways({ kind, decision, middle: [x, y], children }: { kind: Kind; decision: DecisionConfig; middle: Point; children?: ComponentChildren }) {
     const words = kind === "exit" ? t("An exit") : t("A goal");
     const line: Point[] = [
         [x, y - 0.5],
@@ -165,7 +165,7 @@ function Ways({ kind, wishes, middle: [x, y], children }: { kind: Kind; wishes: 
                         </button>
                     );
                 })}
-                <button type="button" onClick={() => setWishes(added(wishes, kind, line))}>
+                <button type="button" onClick={() => setDecision(added(decision, kind, line))}>
                     <span class="hidden">{words}: </span>{t("Write numbers")}
                 </button>
                 {children}
@@ -174,11 +174,11 @@ function Ways({ kind, wishes, middle: [x, y], children }: { kind: Kind; wishes: 
     );
 }
 
-function Fields({ wishes, place, k }: { wishes: Wishes; place: Place; k: number }) {
-    const kind = kindOf(wishes, k);
-    const title = kind === "exit" ? t("Exit {n}", { n: k + 1 }) : t("Goal {n}", { n: k + 1 - wishes.exits.length });
+function Fields({ decision, place, k }: { decision: DecisionConfig; place: Place; k: number }) {
+    const kind = kindOf(decision, k);
+    const title = kind === "exit" ? t("Exit {n}", { n: k + 1 }) : t("Goal {n}", { n: k + 1 - decision.exits.length });
     const corners = cornersOf(place);
-    const set = (next: Place) => setWishes(changed(wishes, k, next));
+    const set = (next: Place) => setDecision(changed(decision, k, next));
     const move = (j: number, to: Point) => set(shaped(place, corners.map((corner, i) => (i === j ? to : corner))));
     return (
         <fieldset class={picked.value === k ? "fields marked" : "fields"} onFocusCapture={() => (picked.value = k)}>
@@ -215,28 +215,28 @@ function Fields({ wishes, place, k }: { wishes: Wishes; place: Place; k: number 
 }
 
 /** Where the selected person goes. */
-function Own({ wishes }: { wishes: Wishes }) {
+function Own({ decision }: { decision: DecisionConfig }) {
     const agent = selected.value === null ? undefined : film.value?.scene.agents[selected.value];
     if (!agent) return <p class="note">{t("Select a person to send this one to another place than the others.")}</p>;
     const { id } = agent;
-    const own = wishes.agents[id];
-    const places = placesOf(wishes);
-    const chosen = places.findIndex(({ name }, k) => (kindOf(wishes, k) === "exit" ? own?.exit : own?.goal) === name);
+    const own = decision.agents[id];
+    const places = placesOf(decision);
+    const chosen = places.findIndex(({ name }, k) => (kindOf(decision, k) === "exit" ? own?.exit : own?.goal) === name);
     return (
         <Choice
             label={t("Person {id} goes to", { id: named(id) })}
             value={chosen < 0 ? "" : String(chosen)}
-            choices={[["", t("where the others go")], ...places.map(({ name }, k): [string, string] => [String(k), kindOf(wishes, k) === "exit" ? t("exit {name}", { name: JSON.stringify(name) }) : t("goal {name}", { name: JSON.stringify(name) })])]}
-            onChange={(key) => send(wishes, id, key === "" ? null : Number(key))}
+            choices={[["", t("where the others go")], ...places.map(({ name }, k): [string, string] => [String(k), kindOf(decision, k) === "exit" ? t("exit {name}", { name: JSON.stringify(name) }) : t("goal {name}", { name: JSON.stringify(name) })])]}
+            onChange={(key) => send(decision, id, key === "" ? null : Number(key))}
         />
     );
 }
 
 /** Sends a person to one of the places; null: where the others go. */
-export function send(wishes: Wishes, id: string, k: number | null) {
-    const { [id]: _, ...agents } = wishes.agents;
-    const place = k === null ? undefined : placesOf(wishes)[k];
-    if (k === null || !place) return setWishes({ ...wishes, agents });
-    const exit = kindOf(wishes, k) === "exit";
-    setWishes({ ...wishes, agents: { ...agents, [id]: { exit: exit ? place.name : null, goal: exit ? null : place.name } } });
+export function send(decision: DecisionConfig, id: string, k: number | null) {
+    const { [id]: _, ...agents } = decision.agents;
+    const place = k === null ? undefined : placesOf(decision)[k];
+    if (k === null || !place) return setDecision({ ...decision, agents });
+    const exit = kindOf(decision, k) === "exit";
+    setDecision({ ...decision, agents: { ...agents, [id]: { exit: exit ? place.name : null, goal: exit ? null : place.name } } });
 }

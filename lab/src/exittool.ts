@@ -7,7 +7,7 @@ import { addPoint, begin, clicks, dragged, hover, mode, motion, picked, setMotio
 import { length } from "./parts";
 import { added, changed, cornersOf, type Kind, kindOf, placesOf, removed, shaped } from "./places";
 import { plan } from "./plan";
-import type { Motion, Point, Wishes } from "./protocol";
+import type { DecisionConfig, Motion, Point } from "./protocol";
 import { distance, snapped, squared } from "./roomshape";
 import { film } from "./session";
 import type { Pointer, Tool } from "./tool";
@@ -23,29 +23,29 @@ function drawn(): { kind: Kind; line: boolean } | null {
     return kind === "exit" || kind === "goal" ? { kind, line: shape === "line" } : null;
 }
 
-function wishesOf(of: Motion): Wishes | null {
-    return of.kind === "go" ? of.wishes : null;
+function decisionOf(of: Motion): DecisionConfig | null {
+    return of.kind === "go" ? of.decision : null;
 }
 
-export function setWishes(wishes: Wishes) {
-    setMotion({ kind: "go", wishes });
+export function setDecision(decision: DecisionConfig) {
+    setMotion({ kind: "go", decision });
 }
 
 export function remove(k: number) {
-    const wishes = wishesOf(standing.value);
+    const decision = decisionOf(standing.value);
     picked.value = null;
-    if (wishes) setWishes(removed(wishes, k));
+    if (decision) setDecision(removed(decision, k));
 }
 
 function finish() {
     const making = drawn();
     const corners = sketch.value;
-    const wishes = wishesOf(standing.value);
+    const decision = decisionOf(standing.value);
     begin("change");
-    if (!making || !wishes || corners.length < (making.line ? 2 : 3)) return;
-    const next = added(wishes, making.kind, corners);
-    picked.value = making.kind === "exit" ? wishes.exits.length : next.exits.length + wishes.goals.length;
-    setWishes(next);
+    if (!making || !decision || corners.length < (making.line ? 2 : 3)) return;
+    const next = added(decision, making.kind, corners);
+    picked.value = making.kind === "exit" ? decision.exits.length : next.exits.length + decision.goals.length;
+    setDecision(next);
 }
 
 /** Level with or straight above the corner before, if Shift is held. */
@@ -63,8 +63,8 @@ function click(pointer: Pointer) {
     else addPoint({ ...pointer, at: aimed(pointer, sketch.value.at(-1)) }, MOST.corners, finish);
 }
 
-function grab(wishes: Wishes, { at, reach }: Pointer): boolean {
-    for (const [k, place] of placesOf(wishes).entries()) {
+function grab(decision: DecisionConfig, { at, reach }: Pointer): boolean {
+    for (const [k, place] of placesOf(decision).entries()) {
         const corners = cornersOf(place);
         const corner = corners.findIndex((point) => distance(at, point) < reach);
         if (corner < 0 && distance(at, middleOf(corners)) >= 1.5 * reach) continue;
@@ -75,15 +75,15 @@ function grab(wishes: Wishes, { at, reach }: Pointer): boolean {
 }
 
 function dragTo(pointer: Pointer) {
-    const wishes = dragged.value && wishesOf(dragged.value);
+    const decision = dragged.value && decisionOf(dragged.value);
     const k = picked.value;
-    if (!wishes || k === null) return;
+    if (!decision || k === null) return;
     const middle = middleOf(pressed);
     const corners = pressed.map((corner, j): Point => {
         if (part === "all") return snapped([corner[0] + pointer.at[0] - middle[0], corner[1] + pointer.at[1] - middle[1]]);
         return j === part ? aimed(pointer, pressed.at(j - 1)) : corner;
     });
-    dragged.value = { kind: "go", wishes: changed(wishes, k, shaped(placesOf(wishes)[k]!, corners)) };
+    dragged.value = { kind: "go", decision: changed(decision, k, shaped(placesOf(decision)[k]!, corners)) };
 }
 
 export const exitTool: Tool = {
@@ -96,7 +96,7 @@ export const exitTool: Tool = {
             clicks.held = pointer;
             return true;
         }
-        if (!grab(now.wishes, pointer)) return false;
+        if (!grab(now.decision, pointer)) return false;
         dragged.value = now;
         return true;
     },
@@ -121,9 +121,9 @@ export const exitTool: Tool = {
     // There should be room for exits beyond doors.
     extent: () => film.value?.scene.beyond_doors.flat() ?? [],
     paint(context, view, inks) {
-        const wishes = wishesOf(motion.value);
-        if (!wishes) return;
-        const places = placesOf(wishes).map((place, k) => ({ name: place.name, stay: kindOf(wishes, k) === "goal", corners: cornersOf(place) }));
+        const decision = decisionOf(motion.value);
+        if (!decision) return;
+        const places = placesOf(decision).map((place, k) => ({ name: place.name, stay: kindOf(decision, k) === "goal", corners: cornersOf(place) }));
         if (dragged.value) paintPlaces(context, places, view, inks, picked.value);
         places.forEach(({ stay, corners }, k) => paintHandles(context, corners, view, inks, stay ? inks.goal : inks.exit, k === picked.value));
         const making = drawn();

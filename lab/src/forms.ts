@@ -132,7 +132,7 @@ const name = nullable(text(MOST.name));
 const rotational = nullable(record<Rotational>({ time_gap: number, standstill_gap: number, reaction_time: (given) => number(given ?? 0), speed_noise: number, acceleration: number }));
 const balance: Check<BalanceName> = (given) => one<BalanceName>("none", "pendulum", "two-level")(given ?? "none");
 /** What the page's forms have of a decision.toml. */
-const wishes = record({
+const decision = record({
     model: one<WalkingModelName>("straight", "collision-free-speed", "social-force", "rotational"),
     /** Only with this model; null for its defaults. */
     rotational,
@@ -151,7 +151,8 @@ const wishes = record({
     /** By Id, for those who do not go where the others go: the name of one of both. */
     agents: dictionary(record({ exit: name, goal: name }), MOST.edits),
 });
-export type Wishes = ReturnType<typeof wishes>;
+export type DecisionConfig = ReturnType<typeof decision>;
+const toGo = record({ decision });
 export const motion = tagged<"kind", Motion>("kind", {
     own: record({}),
     none: record({}),
@@ -162,5 +163,6 @@ export const motion = tagged<"kind", Motion>("kind", {
         shares: nullable(list(number, MOST.ways)),
         seed: (given) => number(given ?? 1),
     }),
-    go: record({ wishes }),
+    // Former pages kept it as `wishes`.
+    go: (given) => toGo({ decision: (given as { wishes?: unknown }).wishes, ...(given as object) }),
 });

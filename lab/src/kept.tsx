@@ -50,7 +50,7 @@ function factsOf({ base: crowd, motion, mechanics, edits }: Made): string[] {
     if (mechanics?.time_step) parts.push(t("communication {step} s", { step: mechanics.time_step }));
     if (mechanics?.time_step_mechanical) parts.push(t("steps of {step} s", { step: mechanics.time_step_mechanical }));
     if (motion.kind === "go") {
-        const { desired_speed, model, groups, start, exits } = motion.wishes;
+        const { desired_speed, model, groups, start, exits } = motion.decision;
         parts.push(`${desired_speed} m/s`, model);
         if (groups) parts.push(t("{share} % in groups", { share: Number((100 * groups.share).toFixed(1)) }));
         if (start) parts.push(t("starts from {min} to {max} s", { min: start.min, max: start.max }));

@@ -108,11 +108,11 @@ function kept(motion: Motion, before: Room | null, crowd: KeptCrowd): { motion: 
         return { motion: ways.length > 0 ? { ...motion, ways, shares } : { kind: "none" }, gone };
     }
     if (motion.kind !== "go") return { motion, gone };
-    const { wishes } = motion;
+    const { decision } = motion;
     const lines = (film.value?.scene.beyond_doors ?? []).map((line) => JSON.stringify(line));
     const doors = new Map<string, number>();
     const exits = stays(
-        wishes.exits,
+        decision.exits,
         (exit) => {
             const door = lines.indexOf(JSON.stringify(exit.line));
             if (door < 0 || !before) return cornersOf(exit).every(near);
@@ -120,12 +120,12 @@ function kept(motion: Motion, before: Room | null, crowd: KeptCrowd): { motion: 
             doors.set(exit.name, now);
             return now >= 0;
         },
-        (k) => JSON.stringify(wishes.exits[k]!.name),
+        (k) => JSON.stringify(decision.exits[k]!.name),
     );
-    const goals = stays(wishes.goals, (goal) => cornersOf(goal).every(near), (k) => JSON.stringify(wishes.goals[k]!.name));
+    const goals = stays(decision.goals, (goal) => cornersOf(goal).every(near), (k) => JSON.stringify(decision.goals[k]!.name));
     if (exits.length + goals.length === 0) return { motion: { kind: "none" }, gone };
     const names = [...exits, ...goals].map(({ name }) => name);
-    const agents = Object.entries(wishes.agents).filter(([, { exit, goal }]) => names.includes(exit ?? goal ?? ""));
+    const agents = Object.entries(decision.agents).filter(([, { exit, goal }]) => names.includes(exit ?? goal ?? ""));
     following.value = { doors, before: film.value, base: JSON.stringify({ kind: "crowd", ...crowd }) };
-    return { motion: { kind: "go", wishes: { ...wishes, exits, goals, agents: Object.fromEntries(agents) } }, gone };
+    return { motion: { kind: "go", decision: { ...decision, exits, goals, agents: Object.fromEntries(agents) } }, gone };
 }

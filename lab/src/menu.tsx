@@ -33,9 +33,9 @@ function items({ at, agent }: Place): Item[] {
         if (movable.value) found.push([t("Copy"), () => copy(chosen.value!)]);
         if (movable.value && shown.scene.agents.length > 1) found.push([t("Delete"), () => drop(chosen.value!)]);
         if (motion.kind === "go") {
-            const { wishes } = motion;
-            placesOf(wishes).forEach(({ name }, k) => found.push([t("Send to {name}", { name: named(name) }), () => send(wishes, id, k)]));
-            if (wishes.agents[id]) found.push([t("Send where the others go"), () => send(wishes, id, null)]);
+            const { decision } = motion;
+            placesOf(decision).forEach(({ name }, k) => found.push([t("Send to {name}", { name: named(name) }), () => send(decision, id, k)]));
+            if (decision.agents[id]) found.push([t("Send where the others go"), () => send(decision, id, null)]);
         }
     }
     if (!movable.value) found.push([t("Go to the start, to move people"), () => void shown.show(0)]);

@@ -10,7 +10,7 @@ import { t } from "./language";
 import { begin, mode, motion, picked, setMotion } from "./motionstate";
 import { FIRST_PUSH, FIRST_RADIUS, motionTool, remove, withWay } from "./motiontool";
 import { Button, Check, Choice, LengthField, NumberField, PointFields, PointRow } from "./parts";
-import { FIRST_WISHES } from "./places";
+import { FIRST_DECISION } from "./places";
 import { isThere, type Motion, type Push, type Waypoint } from "./protocol";
 import { bases, film } from "./session";
 import { useTool } from "./tool";
@@ -36,7 +36,7 @@ function starting(kind: Motion["kind"]): Motion {
     if (known) return known;
     if (kind === "push") return { kind, pushes: [], balance: "none" };
     if (kind === "walk") return { kind, speed: 1.3, ways: [], shares: null, seed: 1 };
-    if (kind === "go") return { kind, wishes: FIRST_WISHES };
+    if (kind === "go") return { kind, decision: FIRST_DECISION };
     return { kind };
 }
 
@@ -74,7 +74,7 @@ export function MotionTab() {
             {now.kind === "push" && <BalanceChoice value={now.balance} onChange={(balance) => setMotion({ ...now, balance })} />}
             {now.kind === "push" && <Pushes now={now} />}
             {now.kind === "walk" && <Walk now={now} />}
-            {now.kind === "go" && <Exits wishes={now.wishes} middle={middle()} />}
+            {now.kind === "go" && <Exits decision={now.decision} middle={middle()} />}
         </section>
     );
 }

@@ -29,7 +29,7 @@ export const motion = computed(() => dragged.value ?? standing.value);
 function isEmpty(of: Motion) {
     if (of.kind === "push") return of.pushes.length === 0;
     if (of.kind === "walk") return of.ways.length === 0;
-    return of.kind === "go" && of.wishes.exits.length + of.wishes.goals.length === 0;
+    return of.kind === "go" && of.decision.exits.length + of.decision.goals.length === 0;
 }
 
 export function setMotion(next: Motion) {

@@ -2,7 +2,7 @@
 
 import type { PersonRequest, Request } from "./generated";
 
-export type { Place, Wishes } from "./forms";
+export type { DecisionConfig, Place } from "./forms";
 export type * from "./generated";
 
 export type Point = [number, number];

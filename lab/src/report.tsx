@@ -85,13 +85,13 @@ function assumptions({ base, motion, edits, mechanics }: Made): [string, string]
     if (ofPeople.length > 0) rows.push([t("Changes by hand"), String(ofPeople.length)]);
     if (ofPeople.length < edits.length) rows.push([t("Walls"), t("changed")]);
     if (motion.kind === "go") {
-        const { model, desired_speed, push, seed, groups, start } = motion.wishes;
+        const { model, desired_speed, push, seed, groups, start } = motion.decision;
         if (groups) rows.push([t("People in groups"), `${Number((100 * groups.share).toFixed(1))} %`]);
         if (start) rows.push([t("They start"), t("from {min} to {max} s, each time as likely", { min: start.min, max: start.max })]);
         rows.push([t("They walk"), `${model}, ${mixed ? t("desired speeds by kind") : `${desired_speed} m/s`}, ${t("seed {seed}", { seed })}${push === null ? "" : t(", pushing ahead with at most {push} N", { push })}`]);
     }
     if (motion.kind === "go") {
-        const { model, rotational, balance } = motion.wishes;
+        const { model, rotational, balance } = motion.decision;
         if (model === "rotational") rows.push([t("Constants of the model"), rotational ? Object.entries(rotational).map(([name, value]) => `${name} ${value}`).join(", ") : t("those of this version")]);
         if (balance !== "none") rows.push([t("Balance"), balance]);
     }

@@ -89,7 +89,7 @@ export function begin() {
     });
 }
 
-/** Whether two scenes differ at most in what was made of the same wishes. */
+/** Whether two scenes differ at most in what was made of the same forms. */
 function sameRest(one: string, other: string) {
     const [a, b] = [one, other].map((text) => ({ ...(JSON.parse(text) as object), made: null, crowd: null }));
     return JSON.stringify(a) === JSON.stringify(b);

@@ -8,7 +8,7 @@ import { type Plain, t } from "./language";
 import { type Mix, percent, shared } from "./mix";
 import { Check, Range } from "./parts";
 import { change, plan } from "./plan";
-import type { Motion, Wishes } from "./protocol";
+import type { DecisionConfig, Motion } from "./protocol";
 import { choose, playsOn } from "./session";
 
 /** A number of the scene. */
@@ -63,9 +63,9 @@ function ofMotion(motion: Motion): Parameter[] {
     }
     if (motion.kind === "walk") return [speed(motion.speed, (speed) => ({ ...motion, speed }))];
     if (motion.kind !== "go") return [];
-    const { wishes } = motion;
-    const set = (part: Partial<Wishes>): Motion => ({ kind: "go", wishes: { ...wishes, ...part } });
-    return [speed(wishes.desired_speed, (desired_speed) => set({ desired_speed }))];
+    const { decision } = motion;
+    const set = (part: Partial<DecisionConfig>): Motion => ({ kind: "go", decision: { ...decision, ...part } });
+    return [speed(decision.desired_speed, (desired_speed) => set({ desired_speed }))];
 }
 
 /** Those of the scene on the stage. */

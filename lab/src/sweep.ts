@@ -63,7 +63,7 @@ export function stop() {
 
 /** The seed of who walks how and where; null if nothing of it is drawn. */
 export function walkingSeed(motion: Motion): number | null {
-    if (motion.kind === "go") return motion.wishes.seed;
+    if (motion.kind === "go") return motion.decision.seed;
     return motion.kind === "walk" && motion.shares ? motion.seed : null;
 }
 
@@ -73,7 +73,7 @@ function variant(made: Made, parameter: Parameter, value: number, k: number): { 
     const base = made.base.kind === "crowd" ? { ...made.base, ...("crowd" in other ? other.crowd : {}), seed: made.base.seed + k } : made.base;
     const mechanics = "crowd" in other && other.crowd.friction !== undefined ? ofAllPairs(made.mechanics, base.kind === "crowd" ? base.material : "") : made.mechanics;
     let motion = "motion" in other ? other.motion : made.motion;
-    if (motion.kind === "go") motion = { kind: "go", wishes: { ...motion.wishes, seed: motion.wishes.seed + k } };
+    if (motion.kind === "go") motion = { kind: "go", decision: { ...motion.decision, seed: motion.decision.seed + k } };
     if (motion.kind === "walk" && motion.shares) motion = { ...motion, seed: motion.seed + k };
     const seed = base.kind === "crowd" ? base.seed : (walkingSeed(motion) ?? 0);
     return { made: { ...made, base, mechanics, motion }, seed };

@@ -21,15 +21,15 @@ function set(part: Partial<Plan["sweep"]>) {
 }
 
 export function SweepForm() {
-    const { end, made, sweep: wishes } = plan.value;
-    const { seeds } = wishes;
+    const { end, made, sweep: form } = plan.value;
+    const { seeds } = form;
     const found = parameters();
-    const parameter = found.find(({ label }) => label === wishes.parameter) ?? found.find(({ label }) => label.startsWith("Width")) ?? found[0];
+    const parameter = found.find(({ label }) => label === form.parameter) ?? found.find(({ label }) => label.startsWith("Width")) ?? found[0];
     if (!parameter || !film.value) return null;
     // Of another parameter the values are no values of this one.
-    const text = (parameter.label === wishes.parameter ? wishes.values : null) ?? proposal(parameter);
+    const text = (parameter.label === form.parameter ? form.values : null) ?? proposal(parameter);
     const [values, wrong] = parsed(text, parameter, seeds);
-    const until = wishes.until ?? (film.value.scene.leaving > 0 ? Math.max(PATIENCE, end) : end);
+    const until = form.until ?? (film.value.scene.leaving > 0 ? Math.max(PATIENCE, end) : end);
     const now = sweep.value;
     const running = now !== null && !now.stopped && now.runs.length + now.failed.length < now.wanted;
     const start = () => {

@@ -154,8 +154,8 @@ export function TakeTab({ film }: { film: Film }) {
                     t("Trial (zip)"),
                     () => take({ file: "trial" }),
                     decided
-                        ? rich("The XML files and {plan}, which says where people walk. {run} computes the same numbers from it. {decide} makes the FMU that decides from this Trial, and {connect} couples both; this page opens it again.", {
-                              plan: <code>decision.toml</code>,
+                        ? rich("The XML files and {decision}, which says where people walk. {run} computes the same numbers from it. {decide} makes the FMU that decides from this Trial, and {connect} couples both; this page opens it again.", {
+                              decision: <code>decision.toml</code>,
                               run: <code>lemons run</code>,
                               decide: <code>lemons decide</code>,
                               connect: <code>lemons connect</code>,

@@ -34,9 +34,9 @@ def hit(directory, speeds, step=0.005, until=3.0, algorithm="gauss-seidel", side
     x, y = math.cos(math.radians(side)), math.sin(math.radians(side))
     people = [{"mass": MASS, "x": 2.0, "y": 9.0 * k, "vx": v * x, "vy": v * y, "rate": RATE} for k, v in enumerate(speeds)]
     trial = write_trial(directory / "trial", people, mechanical=1e-3)
-    plan = directory / "plan.toml"
-    plan.write_text('balance = "pendulum"\n[pendulum]\nreturn_after = 100.0\n')
-    with Crowd(trial, plan=plan, algorithm=algorithm) as crowd:
+    decision = directory / "decision.toml"
+    decision.write_text('balance = "pendulum"\n[pendulum]\nreturn_after = 100.0\n')
+    with Crowd(trial, decision=decision, algorithm=algorithm) as crowd:
         ways = []
         for _ in range(round(until / step)):
             crowd.step(step)
@@ -180,9 +180,9 @@ def test_a_row_presses_on_a_wall_with_the_sum_of_its_pushes(tmp_path, limit):
     people = [{"mass": MASS, "x": 2.0 + 0.41 * k, "y": 2.0, "rate": RATE} for k in range(3)]
     wall = [(3.1, 0.0), (3.1, 4.0)]
     trial = write_trial(tmp_path / "trial", people, walls=[wall], mechanical=1e-4, damping=500.0)
-    plan = tmp_path / "plan.toml"
-    plan.write_text(f"waypoints = [{{ x = 30, y = 2 }}]\n{limit}\n")
-    with Crowd(trial, plan=plan) as crowd:
+    decision = tmp_path / "decision.toml"
+    decision.write_text(f"waypoints = [{{ x = 30, y = 2 }}]\n{limit}\n")
+    with Crowd(trial, decision=decision) as crowd:
         for _ in range(400):
             crowd.step(0.02)
         # Of each person: what those behind press, and what presses back ahead.
@@ -191,9 +191,9 @@ def test_a_row_presses_on_a_wall_with_the_sum_of_its_pushes(tmp_path, limit):
 
 def test_who_walks_has_the_feet_under_the_body(tmp_path):
     trial = write_trial(tmp_path / "trial", [{"mass": MASS, "x": 2.0, "y": 2.0, "rate": RATE}], mechanical=1e-3)
-    plan = tmp_path / "plan.toml"
-    plan.write_text('balance = "pendulum"\nwaypoints = [{ x = 30, y = 2 }]\n')
-    with Crowd(trial, plan=plan) as crowd:
+    decision = tmp_path / "decision.toml"
+    decision.write_text('balance = "pendulum"\nwaypoints = [{ x = 30, y = 2 }]\n')
+    with Crowd(trial, decision=decision) as crowd:
         run = crowd.run(until=3.0, step=0.05)
     assert run.velocities[-1, 0, 0] > 1 and np.array_equal(run.legs, run.poses[:, :, :2])
 
@@ -265,10 +265,10 @@ def test_a_lasting_push_is_held_up_to_the_limit_of_ankles(tmp_path, bracing):
     most = MASS * OMEGA**2 * SUPPORT / (1 + 4 * (1 - bracing) * (OMEGA / DAMPING) ** 2)
     parts, times = np.array([0.97, 1.03]), np.array([0.0, 80.0, 100.0])
     trial = standing(tmp_path, [0.0, 0.0])
-    plan = tmp_path / "plan.toml"
-    plan.write_text(f'balance = "pendulum"\n[pendulum]\nbracing = {bracing}\nreturn_after = 1000.0\n')
+    decision = tmp_path / "decision.toml"
+    decision.write_text(f'balance = "pendulum"\n[pendulum]\nbracing = {bracing}\nreturn_after = 1000.0\n')
     push = {k: (times, np.outer([0, 1, 1], [part * most, 0, 0])) for k, part in enumerate(parts)}
-    with Crowd(trial, plan=plan, algorithm="gauss-seidel") as crowd:
+    with Crowd(trial, decision=decision, algorithm="gauss-seidel") as crowd:
         run = crowd.run(Drive(push), until=100.0, step=0.01)
         steps = [crowd[f"decision.agent[{k}].Steps"] for k in range(2)]
         lean = crowd["decision.agent[0].Lean"]
@@ -281,11 +281,11 @@ def test_two_people_who_are_pushed_together_let_go(tmp_path):
     """Who braces does not press on for ever."""
     people = [{"mass": MASS, "x": 2.0 + 0.41 * k, "y": 2.0, "rate": RATE} for k in range(2)]
     trial = write_trial(tmp_path / "trial", people, mechanical=1e-4)
-    plan = tmp_path / "plan.toml"
-    plan.write_text('balance = "pendulum"\n')
+    decision = tmp_path / "decision.toml"
+    decision.write_text('balance = "pendulum"\n')
     times = np.array([0.0, 3.0, 3.01, 20.0])
     push = {k: (times, np.outer([60, 60, 0, 0], [1 - 2 * k, 0, 0])) for k in range(2)}
-    with Crowd(trial, plan=plan, algorithm="gauss-seidel") as crowd:
+    with Crowd(trial, decision=decision, algorithm="gauss-seidel") as crowd:
         crowd.run(Drive(push), until=3.0, step=0.01)
         pressed = crowd.squeeze()
         crowd.run(Drive(push), until=20.0, step=0.01)

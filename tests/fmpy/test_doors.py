@@ -205,8 +205,8 @@ def test_times_are_those_of_a_simulation_that_starts_later(tmp_path, pack, insta
         fmu.step_to(5.0 + (k + 1) * 0.1)
         x.append(fmu.look()[0][0])
     assert max(x[:10]) < 1.81 and x[-1] > 2.2
-    (tmp_path / "plan.toml").write_text("waypoints = [{ x = 9, y = 0 }]\nstart = 6\n")
-    decision = instantiate(decide("--plan", tmp_path / "plan.toml", trial=trial)).initialize(5.0)
+    (tmp_path / "later.toml").write_text("waypoints = [{ x = 9, y = 0 }]\nstart = 6\n")
+    decision = instantiate(decide("--decision", tmp_path / "later.toml", trial=trial)).initialize(5.0)
     pushes = []
     for k in range(20):
         pushes.append(decision["agent[0].Fp.x"])

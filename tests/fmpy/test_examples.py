@@ -123,9 +123,9 @@ def test_fmus_in_the_wrong_order(decide, pack, tmp_path, script):
 
 
 def test_nobody_leaves(decide, pack, tmp_path):
-    plan = tmp_path / "stay.toml"
-    plan.write_text("desired_speed = 0\nwaypoints = [{ x = 9, y = 2.5 }]")
-    done = run("coupled_fmpy.py", tmp_path, decide("--plan", plan), pack(TRIAL_DOOR), "flow.png")
+    decision = tmp_path / "stay.toml"
+    decision.write_text("desired_speed = 0\nwaypoints = [{ x = 9, y = 2.5 }]")
+    done = run("coupled_fmpy.py", tmp_path, decide("--decision", decision), pack(TRIAL_DOOR), "flow.png")
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("0 of 30 people")
     assert (tmp_path / "flow.png").read_bytes().startswith(b"\x89PNG")

@@ -55,9 +55,9 @@ def test_legs_as_they_come_are_nearer_to_the_measured_push_than_no_legs(legs):
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs the measured push")
 @pytest.mark.parametrize("balance", ["pendulum", "two-level"])
 def test_legs_carry_people_about_as_far_as_was_measured(legs, tmp_path, balance):
-    push, plan = legs.Push.read(DATA), tmp_path / "decision.toml"
-    plan.write_text(f"balance = {balance!r}\n")
-    with legs.Crowd(DATA / "Trial", plan=plan, algorithm="gauss-seidel") as crowd:
+    push, decision = legs.Push.read(DATA), tmp_path / "decision.toml"
+    decision.write_text(f"balance = {balance!r}\n")
+    with legs.Crowd(DATA / "Trial", decision=decision, algorithm="gauss-seidel") as crowd:
         crowd.reset({"crowd.TimeStepMechanical": legs.MECHANICAL})
         run = crowd.run(push.drive(), until=legs.UNTIL, step=legs.STEP)
     measured = [(rows[:, 1] - rows[0, 1]).max() for rows in push.heads.values()]

@@ -78,8 +78,8 @@ def test_everybody_gets_out(lemons, tmp_path):
 def test_people_stand_until_their_start(lemons, tmp_path):
     """As RiMEA test 5 asks for: starts between two times, and nobody moves before."""
     subprocess.run([lemons, "crowd", "-n", "10", "--box", "8x5", "--door", "8,2.5,1.2", "--leave", "-o", "T"], check=True, capture_output=True, cwd=tmp_path)
-    plan = tmp_path / "T/decision.toml"
-    plan.write_text("start = { min = 1, max = 10 }\n" + plan.read_text() + "[agents.3]\nstart = 4\n")
+    decision = tmp_path / "T/decision.toml"
+    decision.write_text("start = { min = 1, max = 10 }\n" + decision.read_text() + "[agents.3]\nstart = 4\n")
     subprocess.run([lemons, "run", "T", "--until", "11", "--every", "10", "-o", "T.csv"], check=True, capture_output=True, cwd=tmp_path)
     table = pd.read_csv(tmp_path / "T.csv")
     began = {}
@@ -99,9 +99,9 @@ def test_an_exit_lets_people_go_while_it_is_open(lemons, tmp_path):
         return subprocess.run([lemons, *words], check=True, capture_output=True, text=True, cwd=tmp_path)
 
     call("crowd", "-n", "12", "--box", "6x5", "--door", "6,2.5,1.2", "--leave", "-o", "T")
-    plan = tmp_path / "T/decision.toml"
-    plan.write_text(plan.read_text().replace("]] },", "]], open = [[8, 10], [20, 99]] },"))
-    assert "open" in plan.read_text()
+    decision = tmp_path / "T/decision.toml"
+    decision.write_text(decision.read_text().replace("]] },", "]], open = [[8, 10], [20, 99]] },"))
+    assert "open" in decision.read_text()
     call("run", "T", "--until", "left", "-o", "whole.csv", "--outputs", "whole_outputs.csv")
     table = pd.read_csv(tmp_path / "whole.csv", comment="#")
     leave = np.sort(table[table["active"] == 1].groupby("id")["t"].max().to_numpy())

@@ -175,8 +175,8 @@ def test_all_that_is_exported_is_there():
 
 def test_several_doors_and_a_film(tmp_path):
     room = make(number=6, box=(5, 4), door=[[5, 2, 1], [0, 2.0, 1.2]], leave=True, seed=3)
-    plan = (room.directory / "decision.toml").read_text()
-    assert len(re.findall(r"line = ", plan)) == 2
+    decision = (room.directory / "decision.toml").read_text()
+    assert len(re.findall(r"line = ", decision)) == 2
     with pytest.raises(TypeError, match="not both"):
         make(number=6, box=(5, 4), door=[5, [0, 2, 1]])
     film = lemons_fmu.movie(room, tmp_path / "film.gif", until=1, fill="squeeze", over=0.5, width=200)

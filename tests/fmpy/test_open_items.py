@@ -111,6 +111,6 @@ def test_a_walk_writes_no_table_that_nobody_asked_for(lemons):
 
 
 def test_a_long_run_says_that_its_table_is_large(lemons):
-    done = called(lemons, "run", TRIAL_DOOR, "--no-plan", "--until", 60, "--step", 0.02)
+    done = called(lemons, "run", TRIAL_DOOR, "--no-decision", "--until", 60, "--step", 0.02)
     (table,) = (path for path in Path().iterdir() if path.name.startswith("trajectories"))
     assert table.suffix == ".parquet" or "parquet" in done.stdout + done.stderr

@@ -128,7 +128,7 @@ def test_what_is_no_trial_names_fmpy_where_it_is_an_fmu(decide, tmp_path):
         with pytest.raises(CommandError, match=words):
             Crowd(what)
     with pytest.raises(ValueError, match="is coupled by lemons connect, or with FMPy"):
-        Crowd(TRIAL_DOOR, plan="some.fmu")
+        Crowd(TRIAL_DOOR, decision="some.fmu")
     with pytest.raises(TypeError, match="give the path of a Trial"):
         Crowd(b"PK")
 
@@ -370,11 +370,11 @@ def test_the_extension_refuses_what_has_another_shape(drive):
 
 
 def test_a_name_of_any_length_makes_a_short_message(lemons, tmp_path):
-    plan = tmp_path / "decision.toml"
-    plan.write_text(f"{'x' * 60_000} = 3\n")
+    decision = tmp_path / "decision.toml"
+    decision.write_text(f"{'x' * 60_000} = 3\n")
     with pytest.raises(CommandError) as raised:
-        Crowd(TRIAL_PUSH, plan=plan)
-    done = subprocess.run([lemons, "run", TRIAL_PUSH, "--plan", plan], capture_output=True, text=True, cwd=tmp_path)
+        Crowd(TRIAL_PUSH, decision=decision)
+    done = subprocess.run([lemons, "run", TRIAL_PUSH, "--decision", decision], capture_output=True, text=True, cwd=tmp_path)
     for said in str(raised.value), done.stderr:
         assert "decision.toml" in said and "x… 598" in said and " characters …x" in said and len(said) < 1500, said
 

@@ -110,18 +110,18 @@ FILES = {
         "lemons check two_doors && lemons run two_doors --until 0.1 -o two_doors.csv",
         {},
     ),
-    ("docs/walking.md", "exits = ["): ("times.toml", "", "lemons run two_doors --plan times.toml --until 0.1 -o times.csv", {}),
-    ("docs/walking.md", "ways = ["): ("stairs.toml", "", "lemons run two_doors --plan stairs.toml --until 0.1 -o stairs.csv", {}),
+    ("docs/walking.md", "exits = ["): ("times.toml", "", "lemons run two_doors --decision times.toml --until 0.1 -o times.csv", {}),
+    ("docs/walking.md", "ways = ["): ("stairs.toml", "", "lemons run two_doors --decision stairs.toml --until 0.1 -o stairs.csv", {}),
     ("docs/walking.md", 'groups = { members = [["0", "1"], ["4", "5", "6"]], share = 0.5 }'): (
         "families.toml",
         "",
-        "lemons run two_doors --plan families.toml --until 0.1 -o families.csv",
+        "lemons run two_doors --decision families.toml --until 0.1 -o families.csv",
         {"share = 0.5 }": "share = 0.5 }\nwaypoints = [{ x = 1.0, y = 1.0 }]"},
     ),
     ("docs/coupling.md", "desired_speed = 1.34                               # [m/s]; default 1.34"): (
         "ways.toml",
         "",
-        "lemons run resources/Trial_door --plan ways.toml --until 0.1 -o ways.csv",
+        "lemons run resources/Trial_door --decision ways.toml --until 0.1 -o ways.csv",
         {},
     ),
     ("docs/coupling.md", 'trial = "door_{width}_{seed}"     # a name in braces: the value of this parameter'): (

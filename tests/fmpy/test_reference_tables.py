@@ -57,7 +57,7 @@ def test_the_table_of_a_run(lemons, tmp_path):
 def test_the_table_of_the_other_fmus(lemons, tmp_path):
     call(lemons, tmp_path, "run", TRIAL_DOOR, "--until", "0.05", "-o", "run.csv", "--outputs", "outputs.csv")
     there = header(tmp_path / "outputs.csv")
-    described = call(lemons, tmp_path, "describe", TRIAL_DOOR, "--plan", TRIAL_DOOR / "decision.toml")
+    described = call(lemons, tmp_path, "describe", TRIAL_DOOR, "--decision", TRIAL_DOOR / "decision.toml")
     variables = ElementTree.fromstring(described).find("ModelVariables")
     outputs = [f"decision.{each.get('name')}" for each in variables if each.get("causality") == "output"]
     assert there == ["t", *outputs]

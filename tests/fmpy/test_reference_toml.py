@@ -95,7 +95,7 @@ class DecisionReader(Reader):
         assert self.call("crowd", *crowd)[0] == 0
 
     def read(self):
-        return self.call("decide", "Trial", "--plan", "given.toml", "-o", "plan.fmu", "--force")
+        return self.call("decide", "Trial", "--decision", "given.toml", "-o", "plan.fmu", "--force")
 
     def plan(self):
         """What it says of everybody."""
@@ -209,7 +209,7 @@ class SweepReader(Reader):
         if heading in self.MEASURES:
             file["measures"]["far"] = self.MEASURES[heading] | self.NEEDED.get((heading, key), {})
         if key == "drive":
-            file["plan"] = False
+            file["decision"] = False
         return file
 
 

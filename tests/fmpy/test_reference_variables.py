@@ -71,8 +71,8 @@ def rows_of_3(variables, unit):
     [
         ("crowd, FMI 2.0", [TRIAL_PUSH], rows_of_2),
         ("crowd, FMI 3.0", [TRIAL_PUSH, "--fmi", "3"], rows_of_3),
-        ("Decision, FMI 2.0", [TRIAL_DOOR, "--plan", TRIAL_DOOR / "decision.toml"], rows_of_2),
-        ("Decision, FMI 3.0", [TRIAL_DOOR, "--plan", TRIAL_DOOR / "decision.toml", "--fmi", "3"], rows_of_3),
+        ("Decision, FMI 2.0", [TRIAL_DOOR, "--decision", TRIAL_DOOR / "decision.toml"], rows_of_2),
+        ("Decision, FMI 3.0", [TRIAL_DOOR, "--decision", TRIAL_DOOR / "decision.toml", "--fmi", "3"], rows_of_3),
     ],
 )
 def test_variables(lemons, table, words, rows):

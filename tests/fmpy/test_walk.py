@@ -53,12 +53,12 @@ def test_simulate_of_a_trial_walks_as_the_command(lemons, leaving, tmp_path):
     same(table, written(lemons, tmp_path, leaving, "--until", "1", "--step", "0.05", *named))
 
 
-def test_another_plan_and_none(lemons, leaving, tmp_path):
-    plan = tmp_path / "other.toml"
-    plan.write_text("waypoints = [{ x = 1.0, y = 1.0 }]\n")
-    same(simulate(leaving, until=0.5, plan=plan), written(lemons, tmp_path, leaving, "--until", "0.5", "--plan", plan))
-    still = simulate(leaving, until=0.5, plan=False)
-    same(still, written(lemons, tmp_path, leaving, "--until", "0.5", "--no-plan"))
+def test_another_decision_and_none(lemons, leaving, tmp_path):
+    decision = tmp_path / "other.toml"
+    decision.write_text("waypoints = [{ x = 1.0, y = 1.0 }]\n")
+    same(simulate(leaving, until=0.5, decision=decision), written(lemons, tmp_path, leaving, "--until", "0.5", "--decision", decision))
+    still = simulate(leaving, until=0.5, decision=False)
+    same(still, written(lemons, tmp_path, leaving, "--until", "0.5", "--no-decision"))
     assert "active" not in still and (still["vx"] == 0.0).all()
 
 
@@ -101,7 +101,7 @@ def test_a_crowd_that_walks_is_stepped_saved_and_reset(leaving):
         assert crowd.run(until=1.0, step=EXACT).poses[-1].tobytes() != wanted.poses[64].tobytes()
         crowd.reset()
         assert crowd.run(until=8.0, step=EXACT).numbers.tobytes() == wanted.numbers.tobytes()
-    with Crowd(leaving, plan=False) as still, pytest.raises(SimulationError, match="not a state of this Trial"):
+    with Crowd(leaving, decision=False) as still, pytest.raises(SimulationError, match="not a state of this Trial"):
         still.restore(state)
 
 
@@ -132,27 +132,27 @@ def test_a_run_ends_when_it_is_told_to(leaving):
 
 def test_who_has_no_exit_does_not_keep_the_others(lemons, leaving, tmp_path):
     trial = shutil.copytree(leaving, tmp_path / "staying")
-    plan = (trial / "decision.toml").read_text()
+    decision = (trial / "decision.toml").read_text()
     stays = 'goals = [{ name = "stage", line = [[1.0, 1.0], [1.0, 2.0]] }]\n'
-    (trial / "decision.toml").write_text(plan + stays + '[agents.3]\ngoal = "stage"\n')
+    (trial / "decision.toml").write_text(decision + stays + '[agents.3]\ngoal = "stage"\n')
     table = simulate(trial, until="left")
     same(table, written(lemons, tmp_path, trial, "--until", "left"))
     assert table["active"].iloc[-20:].sum() == 1
     (trial / "decision.toml").write_text("waypoints = [{ x = 1.0, y = 1.0 }]\n")
-    for given in {}, {"plan": False}:
+    for given in {}, {"decision": False}:
         with pytest.raises(SimulationError, match="until='left': nobody can leave"):
             simulate(trial, until="left", **given)
 
 
 def test_what_cannot_be_meant_is_refused(leaving, pack, tmp_path):
     with pytest.raises(ValueError, match="is for a Trial: give the Trial instead of its FMU"):
-        simulate(pack(leaving), until=0.1, plan=leaving / "decision.toml")
-    with pytest.raises(TypeError, match="the plan is 5; it must be None, False, or the path"):
-        Crowd(leaving, plan=5)
+        simulate(pack(leaving), until=0.1, decision=leaving / "decision.toml")
+    with pytest.raises(TypeError, match="decision=5: must be None, False, or the path"):
+        Crowd(leaving, decision=5)
     with pytest.raises(ValueError, match="the algorithm: unknown variant `euler`, expected `jacobi` or `gauss-seidel`"):
         Crowd(leaving, algorithm="euler")
     with pytest.raises(CommandError, match="nothing.toml"):
-        Crowd(leaving, plan=tmp_path / "nothing.toml")
+        Crowd(leaving, decision=tmp_path / "nothing.toml")
     for name in ("agent[3].Fp.x", "agent[*].Active", "decision.agent[3].Theta"):
         with pytest.raises(SimulationError, match="would be overwritten: (Decision|the crowd) feeds agent"):
             Crowd(leaving, {name: 0})
@@ -164,7 +164,7 @@ def test_what_cannot_be_meant_is_refused(leaving, pack, tmp_path):
         with pytest.raises(SimulationError, match="Active is set by .*decision.toml"):
             crowd.active[3] = False
         assert crowd.active[:].all()
-    # A dangling link is a plan that cannot be read, and not none.
+    # A dangling link is a decision.toml that cannot be read, and not none.
     trial = shutil.copytree(leaving, tmp_path / "dangling")
     (trial / "decision.toml").unlink()
     (trial / "decision.toml").symlink_to("nowhere")
@@ -189,9 +189,9 @@ def test_a_drive_is_added_to_how_people_walk(lemons, leaving, tmp_path):
         crowd.set_drive(constant)
         assert crowd.run(False, until=0.2).frame().equals(pushed)
     # Where nobody walks it is all that drives them.
-    still = simulate(trial, until=0.2, plan=False)
-    same(still, written(lemons, tmp_path, trial, "--until", "0.2", "--no-plan"))
-    assert simulate(trial, constant, until=0.2, plan=False).equals(still) and (still["vx"] != 0).any()
+    still = simulate(trial, until=0.2, decision=False)
+    same(still, written(lemons, tmp_path, trial, "--until", "0.2", "--no-decision"))
+    assert simulate(trial, constant, until=0.2, decision=False).equals(still) and (still["vx"] != 0).any()
 
 
 def test_a_run_is_measured_as_by_the_command(lemons, leaving, tmp_path):
@@ -221,7 +221,7 @@ def test_a_run_is_measured_as_by_the_command(lemons, leaving, tmp_path):
 
 
 def test_who_is_taken_out_does_not_move_until_back():
-    with Crowd(TRIAL_DOOR, plan=False) as crowd, Crowd(TRIAL_DOOR, plan=False) as other:
+    with Crowd(TRIAL_DOOR, decision=False) as crowd, Crowd(TRIAL_DOOR, decision=False) as other:
         drive = np.tile([200.0, 0.0, 0.0], (len(crowd), 1))
         for each in (crowd, other):
             each.set_drive(drive)
@@ -250,5 +250,5 @@ def test_who_is_taken_out_does_not_move_until_back():
             crowd.active[0] = 2
         with pytest.raises(IndexError):
             crowd.active[len(crowd)] = False
-    with Crowd(TRIAL_DOOR, {"agent[3].Active": False}, plan=False) as crowd:
+    with Crowd(TRIAL_DOOR, {"agent[3].Active": False}, decision=False) as crowd:
         assert np.flatnonzero(~crowd.active[:]).tolist() == [3]

@@ -96,7 +96,7 @@ def test_trials_are_measured_as_by_the_command(lemons, rooms, wanted, tmp_path):
 
 
 def test_one_trial_many_parameters(rooms, here, tmp_path):
-    """Parameters of both FMUs; other plans by name; the point that is never over says so."""
+    """Parameters of both FMUs; other files like decision.toml by name; the point that is never over says so."""
     room = rooms / "room_1.2_1"
     grid = {"decision.agent[*].DesiredSpeed": [1.0, 1.4], "agent[*].Mass": [60.0, -1.0]}
     table = sweep(room, grid, None, left, client=here, out=tmp_path / "one.csv", **RUN)
@@ -106,19 +106,19 @@ def test_one_trial_many_parameters(rooms, here, tmp_path):
             assert crowd.run(until="left").ended == table["ended"][point]
     assert table["ended"][0] > table["ended"][2] and (table["left"][[0, 2]] == 10).all()
     told = json.loads((tmp_path / "one.csv").read_text().splitlines()[0].removeprefix("# lemons sweep "))
-    assert len(told["plan"]) == 32 and told["algorithm"] == "Jacobi" and told["until"] == "left"
+    assert len(told["decision"]) == 32 and told["algorithm"] == "Jacobi" and told["until"] == "left"
 
     away = 'exits = [{ name = "far", line = [[6.0, 0.5], [6.0, 3.5]] }]\n'
     for name, text in {"near": away, "slow": f"desired_speed = 0.5\n{away}"}.items():
         (tmp_path / f"{name}.toml").write_text(text)
     options = {**RUN, "until": 4.0, "stop": lambda crowd: crowd.left >= 3, "algorithm": "gauss-seidel"}
-    table = sweep(room, {"case": ["near", "slow"]}, None, left, plan=tmp_path / "{case}.toml", client=here, **options)
+    table = sweep(room, {"case": ["near", "slow"]}, None, left, decision=tmp_path / "{case}.toml", client=here, **options)
     assert table["left"][0] >= 3 and table["ended"][0] < 4.0 and table["ended"].isna().tolist() == [False, True]
-    with Crowd(room, plan=tmp_path / "near.toml", algorithm="gauss-seidel") as crowd:
+    with Crowd(room, decision=tmp_path / "near.toml", algorithm="gauss-seidel") as crowd:
         assert crowd.run(until=4.0, stop=lambda crowd: crowd.left >= 3).ended == table["ended"][0]
 
 
-def test_a_sweep_of_other_trials_or_plans_does_not_go_on(rooms, here, tmp_path):
+def test_a_sweep_of_other_trials_or_decisions_does_not_go_on(rooms, here, tmp_path):
     for width in GRID["width"]:
         shutil.copytree(rooms / f"room_{width}_1", tmp_path / f"room_{width}")
     several, one = tmp_path / "room_{width}", tmp_path / "room_0.9"
@@ -132,26 +132,26 @@ def test_a_sweep_of_other_trials_or_plans_does_not_go_on(rooms, here, tmp_path):
         )
 
     before = both()
-    plan = one / "decision.toml"
-    text = plan.read_text()
-    plan.write_text("# Who wrote it, and when, makes no other plan.\n" + text)
+    decision = one / "decision.toml"
+    text = decision.read_text()
+    decision.write_text("# Who wrote it, and when, makes no other decision.\n" + text)
     for table, again in zip(before, both()):
         pd.testing.assert_frame_equal(again, table, check_exact=True)
-    plan.write_text(text.replace("1.34", "1.2"))
+    decision.write_text(text.replace("1.34", "1.2"))
     for what, grid, out, differs in [
         (several, {"width": GRID["width"]}, "several", "models"),
-        (one, {"agent[*].Mass": [60.0]}, "one", "plan"),
+        (one, {"agent[*].Mass": [60.0]}, "one", "decision"),
     ]:
         with pytest.raises(SweepError, match=f"table of another sweep: it differs in {differs};"):
             sweep(what, grid, None, left, out=tmp_path / f"{out}.csv", **options)
-    plan.write_text(text)
+    decision.write_text(text)
     with pytest.raises(SweepError, match="differs in algorithm"):
         sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one.csv", algorithm="gauss-seidel", **options)
     # Where nobody walks; and where points end by a condition.
     with pytest.raises(SweepError, match="differs in stop;"):
         sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one.csv", stop=lambda crowd: True, **options)
-    with pytest.raises(SweepError, match="differs in algorithm, plan"):
-        sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one.csv", plan=False, **options)
+    with pytest.raises(SweepError, match="differs in algorithm, decision"):
+        sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one.csv", decision=False, **options)
 
 
 def test_trials_are_read_shortly_before_they_are_simulated(rooms, here, tmp_path):
@@ -186,7 +186,7 @@ def test_what_cannot_be_swept_is_refused_at_once(rooms, here, tmp_path):
     refused(CommandError, "room_0.7_1", rooms / "room_{width}_1", {"width": [0.9, 0.7]})
     refused(SimulationError, "overwritten by the connection that feeds crowd.agent.3..Active", room, {"agent[3].Active": [0]})
     refused(SimulationError, 'did you mean "decision.agent', room, {"agent[3].DesiredSpeed": [1.0]})
-    refused(SimulationError, "nobody can leave", room, mass, plan=False)
+    refused(SimulationError, "nobody can leave", room, mass, decision=False)
     refused(ValueError, "until='gone'", room, mass, until="gone")
     table = sweep(room, mass, None, lambda run: {"ended": 1.0}, client=here, **RUN)
     assert "the measure has the name of another column: 'ended'" in table["error"][0]

@@ -25,12 +25,12 @@ def exits(page: Page) -> None:
     page.get_by_label("What moves them").select_option(label="All walk to exits and goals")
 
 
-def wishes(page: Page) -> dict[str, Any]:
-    return plan(page)["made"]["motion"].get("wishes", {"exits": [], "goals": []})
+def decided(page: Page) -> dict[str, Any]:
+    return plan(page)["made"]["motion"].get("decision", {"exits": [], "goals": []})
 
 
 def lines(page: Page) -> list[Any]:
-    return [exit["line"] for exit in wishes(page)["exits"]]
+    return [exit["line"] for exit in decided(page)["exits"]]
 
 
 def button(page: Page, name: str) -> None:
@@ -66,7 +66,7 @@ def test_everybody_leaves_by_an_exit_that_is_drawn(page: Page, browser: Browser,
     fill(page, "Exit 1, end 1, y", 0)
     rename(page, "Exit 1", "to the street")
     drawn = {"name": "to the street", "line": [[5, 0], [5, 2.75]], "polygon": None, "share": None, "open": None}
-    becomes(page, lambda: wishes(page)["exits"], [drawn])
+    becomes(page, lambda: decided(page)["exits"], [drawn])
     # Delete takes away what is marked, after Esc has ended what is being drawn.
     picture.canvas.focus()
     button(page, "An exit: Draw a line")
@@ -75,13 +75,20 @@ def test_everybody_leaves_by_an_exit_that_is_drawn(page: Page, browser: Browser,
     page.keyboard.press("Delete")
     becomes(page, lambda: plan(page)["made"]["motion"], {"kind": "none"})
     page.get_by_role("button", name="Undo").click()
-    becomes(page, lambda: wishes(page).get("exits"), [drawn])
+    becomes(page, lambda: decided(page).get("exits"), [drawn])
     page.reload()
     expect(page.get_by_text("0 of 12 have left.")).to_be_visible()
     other = browser.new_context().new_page()
     other.goto(link(url, plan(page)))
     expect(other.get_by_text("0 of 12 have left.")).to_be_visible()
-    assert wishes(other) == wishes(page)
+    assert decided(other) == decided(page)
+    # Scenes of former pages have another key.
+    former = plan(page)
+    former["made"]["motion"]["wishes"] = former["made"]["motion"].pop("decision")
+    other.goto("about:blank")
+    other.goto(link(url, former))
+    expect(other.get_by_text("0 of 12 have left.")).to_be_visible()
+    assert decided(other) == decided(page) and "wishes" not in plan(other)["made"]["motion"]
     other.context.close()
 
     page.get_by_label("Pace").select_option(label="4 ×")
@@ -134,7 +141,7 @@ def test_exits_beyond_doors_goals_and_shares(page: Page, tmp_path: Path) -> None
     # As `lemons crowd --leave` puts it.
     button(page, "Put an exit beyond each door")
     becomes(page, lambda: [sorted(line) for line in lines(page)], [[[5, 0], [5, 3]]])
-    assert wishes(page)["exits"][0]["name"] == "door 1"
+    assert decided(page)["exits"][0]["name"] == "door 1"
     expect(page.get_by_role("button", name="Put an exit beyond each door")).to_be_disabled()
     picture = Picture(page)
     button(page, "An exit: Draw an area")
@@ -142,14 +149,14 @@ def test_exits_beyond_doors_goals_and_shares(page: Page, tmp_path: Path) -> None
     for corner in corners:
         picture.click(*corner)
     picture.click(*corners[0])
-    becomes(page, lambda: [exit["polygon"] for exit in wishes(page)["exits"]], [None, corners])
+    becomes(page, lambda: [exit["polygon"] for exit in decided(page)["exits"]], [None, corners])
     page.get_by_label("Each exit gets a share of the people").check()
     fill(page, "Exit 1, share", 3)
     fill(page, "Exit 2, share", 7)
     button(page, "A goal: Draw a line")
     picture.click(0.3, 0.5)
     picture.click(0.3, 2.5)
-    becomes(page, lambda: [goal["line"] for goal in wishes(page)["goals"]], [[[0.3, 0.5], [0.3, 2.5]]])
+    becomes(page, lambda: [goal["line"] for goal in decided(page)["goals"]], [[[0.3, 0.5], [0.3, 2.5]]])
     rename(page, "Goal 1", "stage")
     page.get_by_label("Exit 1, open at times only").check()
     fill(page, "Exit 1, opening 1, to", 20)
@@ -163,7 +170,7 @@ def test_exits_beyond_doors_goals_and_shares(page: Page, tmp_path: Path) -> None
     fill(page, "Exit 1, opening 2, to", 90)
     page.get_by_role("combobox", name="Person", exact=True).select_option(label="4")
     page.get_by_label("Person 4 goes to").select_option(label='goal "stage"')
-    becomes(page, lambda: wishes(page)["agents"], {"4": {"exit": None, "goal": "stage"}})
+    becomes(page, lambda: decided(page)["agents"], {"4": {"exit": None, "goal": "stage"}})
     rename(page, "Goal 1", "seat")
     page.get_by_label("How they walk among others").select_option(label="Straight on")
     fill(page, "Desired speed", 1)
@@ -175,7 +182,7 @@ def test_exits_beyond_doors_goals_and_shares(page: Page, tmp_path: Path) -> None
     expect(page.get_by_role("alert")).to_contain_text("First start: 0 to 0.9")
     fill(page, "First start", 0.5)
     keys = ("model", "desired_speed", "groups", "start")
-    becomes(page, lambda: [wishes(page)[key] for key in keys], ["straight", 1, {"share": 0.8}, {"min": 0.5, "max": 1}])
+    becomes(page, lambda: [decided(page)[key] for key in keys], ["straight", 1, {"share": 0.8}, {"min": 0.5, "max": 1}])
     trial = download(page, "Trial (zip)", tmp_path)
     decision = tomllib.loads(held(trial)["decision.toml"])
     assert (decision["model"], decision["desired_speed"], decision["agents"]) == ("straight", 1, {"4": {"goal": "seat"}})
@@ -200,7 +207,7 @@ def test_places_that_cannot_be_are_named(page: Page) -> None:
     becomes(page, lambda: len(lines(page)), 1)
     rename(page, "Exit 1", "the street")
     picture = Picture(page)
-    becomes(page, lambda: wishes(page)["exits"][0]["name"], "the street")
+    becomes(page, lambda: decided(page)["exits"][0]["name"], "the street")
     # Onto the wall below: it is refused, and stays where it was. Each number is taken before the next one is typed.
     line = lines(page)[0]
     for end, axis, to in ((0, 0, 1), (0, 1, 0), (1, 0, 3), (1, 1, 0)):
@@ -318,7 +325,7 @@ def test_exits_and_goals_can_be_seen(page: Page, scheme: str) -> None:
     exits(page)
     button(page, "Put an exit beyond each door")
     button(page, "A goal: Write numbers")
-    becomes(page, lambda: len(wishes(page)["goals"]), 1)
+    becomes(page, lambda: len(decided(page)["goals"]), 1)
 
     def colour(name: str) -> tuple[int, ...]:
         text = page.evaluate("name => getComputedStyle(document.documentElement).getPropertyValue(name)", name).strip()

@@ -163,13 +163,13 @@ def test_a_way_is_drawn_with_the_mouse(page: Page, tmp_path: Path) -> None:
 
     expect(page.get_by_role("row", name="Arrived or left")).to_contain_text("of 5")
     trial = download(page, "Trial (zip)", tmp_path)
-    wishes = tomllib.loads(held(trial)["decision.toml"])
+    decision = tomllib.loads(held(trial)["decision.toml"])
     whole = lambda way: [{"x": x, "y": y, "radius": 0.5} for x, y in way]
-    assert wishes["desired_speed"] == 1.3
+    assert decision["desired_speed"] == 1.3
     # Everybody takes the way whose first point is nearest.
     for name, pose in places(trial).items():
         nearest = min((first, second), key=lambda way: math.dist(way[0], pose[:2]))
-        assert wishes.get("agents", {}).get(name, wishes)["waypoints"] == whole(nearest), name
+        assert decision.get("agents", {}).get(name, decision)["waypoints"] == whole(nearest), name
     lemons("check", trial)
     outputs = ("-o", tmp_path / "run.csv", "--outputs", tmp_path / "decision.csv")
     assert lemons("run", trial, "--until", "0.1", *outputs).startswith("people walk ")
@@ -179,8 +179,8 @@ def test_a_way_is_drawn_with_the_mouse(page: Page, tmp_path: Path) -> None:
     fill(page, "Way 1, share", 3)
     fill(page, "Way 2, share", 7)
     fill(page, "Seed", 5)
-    wishes = tomllib.loads(held(download(page, "Trial (zip)", tmp_path / "shared"))["decision.toml"])
-    assert wishes["ways"] == [{"waypoints": whole(first), "share": 3}, {"waypoints": whole(second), "share": 7}] and wishes["seed"] == 5
+    decision = tomllib.loads(held(download(page, "Trial (zip)", tmp_path / "shared"))["decision.toml"])
+    assert decision["ways"] == [{"waypoints": whole(first), "share": 3}, {"waypoints": whole(second), "share": 7}] and decision["seed"] == 5
     tab(page, "Motion")
     page.get_by_role("button", name="Delete way 1", exact=True).click()
     becomes(page, lambda: plan(page)["made"]["motion"].get("shares"), [7])

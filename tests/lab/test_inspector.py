@@ -77,7 +77,7 @@ def test_the_menu_of_a_person_and_of_the_floor(page: Page, tmp_path: Path) -> No
     page.keyboard.press("ArrowDown")
     page.keyboard.press("ArrowDown")
     page.keyboard.press("Enter")
-    wait(page, lambda: plan(page)["made"]["motion"]["wishes"]["agents"] == {name: {"exit": "right", "goal": None}})
+    wait(page, lambda: plan(page)["made"]["motion"]["decision"]["agents"] == {name: {"exit": "right", "goal": None}})
     expect(menu).to_have_count(0)
     decision = held(download(page, "Trial (zip)", tmp_path / "sent"))["decision.toml"]
     assert tomllib.loads(decision)["agents"] == {name: {"exit": "right"}}

@@ -42,7 +42,7 @@ def test_a_slider_changes_the_room_while_it_runs_and_the_exit_follows(page: Page
     slide(page, "Width of the door", 1.5)
     becomes(page, lambda: plan(page)["made"]["base"]["room"]["doors"], [{"at": [8, 3], "width": 1.5}])
     # The line 1 m beyond the door is 2 m longer than it is wide.
-    becomes(page, lambda: sorted(plan(page)["made"]["motion"]["wishes"]["exits"][0]["line"]), [[9, 1.25], [9, 4.75]])
+    becomes(page, lambda: sorted(plan(page)["made"]["motion"]["decision"]["exits"][0]["line"]), [[9, 1.25], [9, 4.75]])
     # It runs again by itself.
     wait(page, lambda: seconds(page) > 0.3)
     slide(page, "Desired speed", 0.8)
@@ -86,7 +86,7 @@ def test_an_exit_does_not_follow_a_door_that_could_not_be_made(page: Page, url: 
     expect(page.get_by_role("alert")).to_contain_text("without overlap")
     # Another scene, with an exit of this name elsewhere.
     other = {**before, "name": "Elsewhere"}
-    (far,) = other["made"]["motion"]["wishes"]["exits"]
+    (far,) = other["made"]["motion"]["decision"]["exits"]
     assert far["name"] == "door 1"
     far["line"] = [[x + 1, y] for x, y in far["line"]]
     page.evaluate("address => { location.href = address; }", link(url, other))
@@ -94,9 +94,9 @@ def test_an_exit_does_not_follow_a_door_that_could_not_be_made(page: Page, url: 
     expect(page.get_by_role("row", name="People 70", exact=True)).to_be_visible()
     tab(page, "Motion")
     fill(page, "Desired speed", 1)
-    becomes(page, lambda: plan(page)["made"]["motion"]["wishes"]["desired_speed"], 1)
+    becomes(page, lambda: plan(page)["made"]["motion"]["decision"]["desired_speed"], 1)
     page.wait_for_timeout(500)
-    assert plan(page)["made"]["motion"]["wishes"]["exits"] == [far]
+    assert plan(page)["made"]["motion"]["decision"]["exits"] == [far]
 
 
 def test_two_widths_side_by_side_have_the_numbers_of_the_command(page: Page, tmp_path: Path) -> None:
@@ -109,7 +109,7 @@ def test_two_widths_side_by_side_have_the_numbers_of_the_command(page: Page, tmp
     slide(page, "Width of the door", 1.2)
     expect(page.get_by_text("Kept: door 0.9 m.")).to_be_visible()
     becomes(page, lambda: plan(page)["made"]["base"]["room"]["doors"][0]["width"], 1.2)
-    becomes(page, lambda: sorted(plan(page)["made"]["motion"]["wishes"]["exits"][0]["line"]), [[9, 1.4], [9, 4.6]])
+    becomes(page, lambda: sorted(plan(page)["made"]["motion"]["decision"]["exits"][0]["line"]), [[9, 1.4], [9, 4.6]])
     show_at(page, 6)
     second = download(page, "Trial (zip)", tmp_path / "second")
     left = []

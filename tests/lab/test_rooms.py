@@ -231,9 +231,9 @@ def test_plans_become_rooms_as_the_command_reads_them(page: Page, tmp_path: Path
         what, how = line[:18].strip(), line[19:].removesuffix(": lemons crowd cuts it")
         if what not in ("drawing", "nothing was writte"):
             expect(understood.get_by_role("row", name=f"{what} {how}", exact=True).first).to_be_visible()
-    wishes = made("hall.dxf", door=[(14, 3), (16, 3)])["decision.toml"]
+    decision = made("hall.dxf", door=[(14, 3), (16, 3)])["decision.toml"]
     assert plan(page)["drawn"] == "hall.dxf"
-    assert "north" in wishes and "south" in wishes and plan(page)["crowd"]["region"] is not None
+    assert "north" in decision and "south" in decision and plan(page)["crowd"]["region"] is not None
 
     give(page, "office.dxf", (PLANS / "office.dxf").read_bytes())
     expect(page.get_by_role("alert")).to_contain_text("it does not say what its unit is")
@@ -273,7 +273,7 @@ def test_people_leave_a_dropped_plan_by_its_exit(page: Page, tmp_path: Path) -> 
     expect(page.get_by_text("30 people placed in")).to_be_visible()
     kept = plan(page)
     assert kept["crowd"]["room"]["doors"] == [{"at": [6, 2.5], "width": 1}]
-    (street,) = kept["made"]["motion"]["wishes"]["exits"]
+    (street,) = kept["made"]["motion"]["decision"]["exits"]
     # 1 m behind the door, and 2 m longer.
     assert (street["name"], sorted(street["line"])) == ("street", [[7, 1], [7, 4]])
     page.get_by_role("button", name="Play").click()
@@ -281,7 +281,7 @@ def test_people_leave_a_dropped_plan_by_its_exit(page: Page, tmp_path: Path) -> 
     # The exit goes along with its door, as with a room that was drawn.
     tab(page, "Room")
     fill(page, "Door 1, width", 140)
-    becomes(page, lambda: sorted(plan(page)["made"]["motion"]["wishes"]["exits"][0]["line"]), [[7, 0.8], [7, 4.2]])
+    becomes(page, lambda: sorted(plan(page)["made"]["motion"]["decision"]["exits"][0]["line"]), [[7, 0.8], [7, 4.2]])
 
 
 def test_layers_are_chosen_and_exits_left_out(page: Page) -> None:
@@ -346,7 +346,7 @@ def test_where_the_outline_is_in_doubt_the_page_asks(page: Page, thickness: floa
     make.click()
     expect(page.get_by_text("people placed in")).to_be_visible()
     kept = plan(page)
-    room, (way_out,) = kept["crowd"]["room"], kept["made"]["motion"]["wishes"]["exits"]
+    room, (way_out,) = kept["crowd"]["room"], kept["made"]["motion"]["decision"]["exits"]
     assert sorted(room["outline"]) == [[0, 0], [0, 8], [10, 0], [10, 8]] and len(room["obstacles"]) == 1
     assert room["doors"] == [{"at": [10, 4], "width": 1}] and {x for x, _ in way_out["line"]} == {11}
 

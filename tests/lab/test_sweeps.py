@@ -21,7 +21,7 @@ def room(page: Page) -> None:
     tab(page, "Motion")
     page.get_by_label("What moves them").select_option(label="All walk to exits and goals")
     page.get_by_role("button", name="Put an exit beyond each door").click()
-    wait(page, lambda: len(plan(page)["made"]["motion"]["wishes"]["exits"]) == 1)
+    wait(page, lambda: len(plan(page)["made"]["motion"]["decision"]["exits"]) == 1)
     tab(page, "Start")
     page.get_by_text("A sweep: many values").click()
 
@@ -50,7 +50,7 @@ def test_its_runs_have_the_numbers_of_the_command_and_the_quantiles_of_numpy(pag
     room(page)
     tab(page, "Motion")
     fill(page, "Seed", 5)
-    wait(page, lambda: plan(page)["made"]["motion"]["wishes"]["seed"] == 5)
+    wait(page, lambda: plan(page)["made"]["motion"]["decision"]["seed"] == 5)
     tab(page, "Start")
     page.get_by_text("A sweep: many values").click()
     page.get_by_role("combobox", name="Parameter").select_option(label="Width of the door [m]")
@@ -207,7 +207,7 @@ def test_changes_by_hand_stay_in_each_run_where_they_fit(page: Page, tmp_path: P
     # Where the place is free in the crowd of another seed: its own Trial says so.
     for k, count in enumerate(out):
         page.locator("svg.runs circle").nth(k).dispatch_event("click")
-        wait(page, lambda k=k: plan(page)["made"]["base"]["seed"] == int(runs[k]["crowd_seed"]) and plan(page)["made"]["motion"]["wishes"]["desired_speed"] == float(runs[k]["Desired speed [m/s]"]))
+        wait(page, lambda k=k: plan(page)["made"]["base"]["seed"] == int(runs[k]["crowd_seed"]) and plan(page)["made"]["motion"]["decision"]["desired_speed"] == float(runs[k]["Desired speed [m/s]"]))
         made = plan(page)["made"]["edits"]
         assert made == (edits if count == 0 else edits[1:])
         poses = places(download(page, "Trial (zip)", tmp_path))

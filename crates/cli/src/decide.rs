@@ -6,11 +6,11 @@ use crate::pack::{Fmi, FmuArguments, Reference, say_size};
 use anyhow::{Context, Result, anyhow};
 use lemons_core::trial::DriveChoice;
 use lemons_decision::DECISION_FILE;
-use lemons_master::{PlanChoice, TrialInput};
+use lemons_master::{DecisionChoice, TrialInput};
 use lemons_sim::lint::{self, Files};
 use std::path::PathBuf;
 
-/// DecisionConfig of everybody, as short as they can be.
+/// The shortest `decision.toml`.
 const SHORTEST: &str = "  desired_speed = 1.34
   waypoints = [{ x = 6.0, y = 2.5 }]";
 
@@ -24,7 +24,7 @@ pub struct Arguments {
     trial: PathBuf,
     /// File with way-points, exits and desired speeds. Default: decision.toml in the Trial's directory
     #[arg(long, value_name = "FILE.toml")]
-    plan: Option<PathBuf>,
+    decision: Option<PathBuf>,
     /// The FMU to write
     #[arg(short, long, value_name = "FILE.fmu")]
     output: PathBuf,
@@ -41,14 +41,14 @@ pub struct Arguments {
 pub fn decide(arguments: &Arguments) -> Result<()> {
     let mut file = files::stage(&arguments.output)?;
     let given = TrialInput::open(&arguments.trial)?;
-    let choice = arguments.plan.clone().map_or(PlanChoice::Own, PlanChoice::File);
-    let (documents, mut warnings, plan) = given.documents(&DriveChoice::None, &choice)?;
-    let files = Files::chosen(given.path(), &DriveChoice::None, plan.as_deref());
+    let choice = arguments.decision.clone().map_or(DecisionChoice::Own, DecisionChoice::File);
+    let (documents, mut warnings, decision) = given.documents(&DriveChoice::None, &choice)?;
+    let files = Files::chosen(given.path(), &DriveChoice::None, decision.as_deref());
     warnings.extend(lint::of_documents(&documents, &files));
     warnings.iter().for_each(|warning| note!("{warning}"));
     let plan = documents.plan.as_ref().ok_or_else(|| {
         let missing = given.path().join(DECISION_FILE);
-        let help = "Write it, or name another file with --plan FILE.toml. The shortest such file is:";
+        let help = "Write it, or name another file with --decision FILE.toml. The shortest such file is:";
         anyhow!("there is no {}. {help}\n{SHORTEST}", missing.display())
     })?;
     let binaries = arguments.fmu.binaries(&DECISION)?;

@@ -7,7 +7,7 @@ use crowd_mechanics::model_description::model_description;
 use crowd_mechanics::pack::Naming;
 use lemons_core::trial::DriveChoice;
 use lemons_decision::pack::description;
-use lemons_master::{PlanChoice, TrialInput};
+use lemons_master::{DecisionChoice, TrialInput};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -20,11 +20,11 @@ pub struct Arguments {
     fmi: Fmi,
     /// Describe the Decision FMU that `lemons decide` makes with these way-points, instead of the crowd's
     #[arg(long, value_name = "FILE.toml")]
-    plan: Option<PathBuf>,
+    decision: Option<PathBuf>,
 }
 
 pub fn describe(arguments: &Arguments) -> Result<()> {
-    let choice = arguments.plan.clone().map_or(PlanChoice::None, PlanChoice::File);
+    let choice = arguments.decision.clone().map_or(DecisionChoice::None, DecisionChoice::File);
     let given = TrialInput::open(&arguments.trial)?;
     let (documents, ..) = given.documents(&DriveChoice::None, &choice)?;
     let format = arguments.fmi.format(Naming::Structured);

@@ -299,11 +299,11 @@ impl Arguments {
             changed.map_or(Ok((config, text)), |later| later.to_toml().map(|text| (later, text)))
         };
         let decision = decision.map(|decision| later(decision).and_then(fewer)).transpose()?;
-        let plan = decision.is_some().then(|| out.join(DECISION_FILE));
-        claim_all(trial.files_written(out).into_iter().chain(plan.clone()))?;
+        let path = decision.is_some().then(|| out.join(DECISION_FILE));
+        claim_all(trial.files_written(out).into_iter().chain(path.clone()))?;
         trial.write(out)?;
-        if let (Some(text), Some(plan)) = (&decision, &plan) {
-            let mut file = Output::claimed(plan)?;
+        if let (Some(text), Some(path)) = (&decision, &path) {
+            let mut file = Output::claimed(path)?;
             file.fill(|file| file.write_all(text.as_bytes()))?;
             file.persist()?;
             note!(
@@ -316,7 +316,7 @@ impl Arguments {
                 "the state of legs is not taken along: people begin with their feet under the body, and no steps"
             );
         }
-        for line in files::staying(out, if plan.is_some() { &[DECISION_FILE] } else { &[] }) {
+        for line in files::staying(out, if decision.is_some() { &[DECISION_FILE] } else { &[] }) {
             note!("{line}");
         }
         if !run.contacts() {

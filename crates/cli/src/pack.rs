@@ -10,7 +10,7 @@ use crowd_mechanics::pack::{Binary, FmuFormat, Naming, platforms};
 use lemons_core::files::Staged;
 use lemons_core::trial::{DriveChoice, Trial};
 use lemons_decision::DECISION_FILE;
-use lemons_master::{Experiment, PlanChoice, TrialInput, add_reference, binaries_beside};
+use lemons_master::{DecisionChoice, Experiment, TrialInput, add_reference, binaries_beside};
 use lemons_picture::{Fill, PictureScene, Style, png, svg};
 use lemons_sim::Documents;
 use std::io;
@@ -164,7 +164,8 @@ pub fn write_fmu(
     let mut file = files::open(output)?;
     let warnings = lemons_master::pack(trials, binaries, format, Some(picture), output, &mut file)?;
     if let (Some(reference), Some(trial)) = (reference, trials.first()) {
-        reference.add(&mut file, output, || Ok(trial.documents(&DriveChoice::Own, &PlanChoice::Own)?.0))?;
+        reference
+            .add(&mut file, output, || Ok(trial.documents(&DriveChoice::Own, &DecisionChoice::Own)?.0))?;
     }
     file.persist().with_context(|| format!("cannot write {}", output.display()))?;
     Ok(warnings)

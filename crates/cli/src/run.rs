@@ -17,7 +17,7 @@ use anyhow::{Result, bail};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 pub use job::{RunJob, simulate};
 use lemons_core::trial::DriveChoice;
-use lemons_master::{PlanChoice, RunSettings};
+use lemons_master::{DecisionChoice, RunSettings};
 use lemons_results::TableFormat;
 use lemons_sim::{Algorithm, Until};
 use outputs::TableFile;
@@ -112,17 +112,21 @@ pub struct Inputs {
     no_drive: bool,
     /// Where people walk, instead of the Trial's decision.toml: see lemons decide --help. The run is that of
     /// the Trial's FMU coupled with that of lemons decide
-    #[arg(long, value_name = "FILE.toml", conflicts_with = "no_plan")]
-    plan: Option<PathBuf>,
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "no_decision")]
+    decision: Option<PathBuf>,
     /// Ignore the Trial's decision.toml
     #[arg(long)]
-    no_plan: bool,
+    no_decision: bool,
 }
 
 impl Inputs {
     /// Returns whether one of its options was given.
     pub fn given(&self) -> bool {
-        self.step.is_some() || self.drive.is_some() || self.no_drive || self.plan.is_some() || self.no_plan
+        self.step.is_some()
+            || self.drive.is_some()
+            || self.no_drive
+            || self.decision.is_some()
+            || self.no_decision
     }
 
     /// Returns the settings of a run with these inputs.
@@ -132,12 +136,12 @@ impl Inputs {
             None if self.no_drive => DriveChoice::None,
             None => DriveChoice::Own,
         };
-        let plan = match &self.plan {
-            Some(path) => PlanChoice::File(path.clone()),
-            None if self.no_plan => PlanChoice::None,
-            None => PlanChoice::Own,
+        let decision = match &self.decision {
+            Some(path) => DecisionChoice::File(path.clone()),
+            None if self.no_decision => DecisionChoice::None,
+            None => DecisionChoice::Own,
         };
-        RunSettings { step: self.step, drive, plan, ..RunSettings::of(input) }
+        RunSettings { step: self.step, drive, decision, ..RunSettings::of(input) }
     }
 }
 

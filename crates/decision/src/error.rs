@@ -1,4 +1,4 @@
-//! Errors of settings and plans.
+//! Errors of a `decision.toml` and of its plan.
 
 use lemons_core::plane::Vec2;
 use lemons_core::trial::FARTHEST;
@@ -13,7 +13,7 @@ pub(crate) const MOST_MEMBERS: usize = 20;
 /// Greatest speed or strength: products of a few of them are finite.
 const GREATEST: f64 = 1e9;
 
-/// Error in settings or a plan. The messages do not name the file.
+/// Error in a `decision.toml` or its plan. The messages do not name the file.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[allow(missing_docs)] // the messages say it
 pub enum PlanError {
@@ -95,7 +95,7 @@ impl PlanError {
     }
 }
 
-/// Checks a number of a plan or of settings.
+/// Checks a number of a `decision.toml` or of a plan.
 pub(crate) fn number(
     place: &str,
     key: &'static str,

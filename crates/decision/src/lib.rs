@@ -17,7 +17,7 @@
 //! - [`target`]: exits and goals
 //! - [`stuck`]: what people do who are stuck
 //! - [`exit_choice`]: exits chosen by the expected time
-//! - [`error`]: what is wrong with a plan
+//! - [`error`]: what is wrong with a `decision.toml`
 //! - `cells`: who and which walls are near somebody
 //! - [`balance`]: legs under those who stand
 //! - [`walking_model`]: how people walk among others

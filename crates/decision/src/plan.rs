@@ -103,7 +103,7 @@ impl Plan {
         matches!(self.walking_model, WalkingModel::Rotational(_))
     }
 
-    /// Makes a plan from settings for the people of a Trial, among its walls. Ways lead through walls that open. People stop
+    /// Makes a plan from a `decision.toml` for the people of a Trial, among its walls. Ways lead through walls that open. People stop
     /// in front of one that is closed.
     ///
     /// # Errors

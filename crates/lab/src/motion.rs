@@ -40,8 +40,7 @@ pub enum MotionChoice {
     /// They walk around walls, to the exits and goals of a decision.toml. Without exits, everybody goes to the nearest of
     /// several goals.
     Go {
-        #[serde(rename = "wishes")]
-        #[cfg_attr(feature = "typescript", ts(type = "Wishes"))]
+        #[cfg_attr(feature = "typescript", ts(type = "DecisionConfig"))]
         decision: Box<DecisionConfig>,
     },
 }

@@ -33,4 +33,4 @@ pub use reference::{Difference, Experiment, ReplayedExperiment, add_reference, r
 pub use saved::{ComponentRecord, CrowdRecord, SavedRun, writers};
 pub use settings::RunSettings;
 pub use system::{System, SystemComponent};
-pub use trial_input::{PlanChoice, TrialInput, documents_of, pack, plan_in, plan_of};
+pub use trial_input::{DecisionChoice, TrialInput, documents_of, pack, plan_in, plan_of};

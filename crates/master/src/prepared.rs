@@ -11,7 +11,7 @@ use crate::notes;
 use crate::saved::SavedRun;
 use crate::settings::RunSettings;
 use crate::system::{PLAY_DRIVE, System, SystemComponent, component_of};
-use crate::trial_input::PlanChoice;
+use crate::trial_input::DecisionChoice;
 use lemons_core::trial::{Agent, DriveChoice, DriveTable, Trial};
 use lemons_decision::DECISION_FILE;
 use lemons_sim::Clock;
@@ -82,9 +82,9 @@ impl PreparedSystem {
         };
         let inputs = [FileType::FMU, FileType::SSP, FileType::ARCHIVE];
         FileType::expect(&settings.input, &inputs, "an FMU or an SSP")?;
-        require(!matches!(settings.plan, PlanChoice::File(_)), || {
+        require(!matches!(settings.decision, DecisionChoice::File(_)), || {
             let why = "is for a Trial, and not for an FMU or an SSP";
-            MasterError::Misused(format!("--plan: a file like {DECISION_FILE} {why}"))
+            MasterError::Misused(format!("--decision: a file like {DECISION_FILE} {why}"))
         })?;
         let open = if coupled { open_ssp } else { open_fmu };
         let Assembled { mut system, start, stop, mut warnings } = open(settings, &parameters)?;

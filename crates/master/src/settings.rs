@@ -2,7 +2,7 @@
 
 use crate::error::{ErrorPlace, MasterError, Result, require};
 use crate::saved::SavedRun;
-use crate::trial_input::PlanChoice;
+use crate::trial_input::DecisionChoice;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::trial::{DriveChoice, DriveTable};
 use lemons_sim::{Algorithm, Clock, lint};
@@ -32,7 +32,7 @@ pub struct RunSettings {
     /// The drive: who is pushed when; in an SSP, connections feed the inputs instead.
     pub drive: DriveChoice,
     /// Where a Trial's people walk: then the input is coupled like an SSP of the components `decision` and `crowd`.
-    pub plan: PlanChoice,
+    pub decision: DecisionChoice,
     /// \[m\] Length of the longest panel of the walls of a Trial that have none, for loads.
     pub panel_length: Option<f64>,
     /// How coupled components exchange values.

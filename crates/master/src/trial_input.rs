@@ -105,11 +105,11 @@ impl TrialInput {
     /// people walk, as the user knows it.
     ///
     /// # Errors
-    /// The Trial, its drive or its plan has errors: [`MasterError::Broken`] where these are files of the Trial.
+    /// The Trial, its drive or its `decision.toml` has errors: [`MasterError::Broken`] where these are files of the Trial.
     pub fn documents(
         &self,
         drive: &DriveChoice,
-        plan: &PlanChoice,
+        decision: &DecisionChoice,
     ) -> Result<(Documents, Problems, Option<PathBuf>)> {
         let broken = |problems| MasterError::Broken { path: self.path.clone(), problems };
         let (trial, problems) = self.read().map_err(broken)?;
@@ -117,16 +117,16 @@ impl TrialInput {
             DriveChoice::Own => self.drive(&trial).map_err(broken)?,
             other => DriveTable::of(Some(&trial), other).map_err(MasterError::Drive)?,
         };
-        let plan = match plan {
-            PlanChoice::None => None,
-            PlanChoice::File(path) => Some((path.clone(), path.clone())),
-            PlanChoice::Own => self.decision_file().map(|path| (path, self.path.join(DECISION_FILE))),
+        let decision = match decision {
+            DecisionChoice::None => None,
+            DecisionChoice::File(path) => Some((path.clone(), path.clone())),
+            DecisionChoice::Own => self.decision_file().map(|path| (path, self.path.join(DECISION_FILE))),
         };
-        let read = plan.as_ref();
+        let read = decision.as_ref();
         let read = read.map(|(path, known)| plan_of(&trial, path).place(|| known.display().to_string()));
         let documents = Documents { plan: read.transpose()?, trial, drive };
-        let plan = plan.map(|(_, known)| known);
-        Ok((documents, problems, plan))
+        let decision = decision.map(|(_, known)| known);
+        Ok((documents, problems, decision))
     }
 
     /// Returns a text in which the user's name for it replaces that of the place where it was unpacked.
@@ -151,13 +151,13 @@ impl TrialInput {
 pub fn documents_of(
     path: &Path,
     drive: &DriveChoice,
-    plan: &PlanChoice,
+    decision: &DecisionChoice,
 ) -> Result<(Documents, Problems, Option<PathBuf>)> {
     if let Some(given) = TrialInput::find(path)? {
-        return given.documents(drive, plan);
+        return given.documents(drive, decision);
     }
     let other = || format!("a file like {DECISION_FILE} is for a Trial, and not for an FMU");
-    require(!matches!(plan, PlanChoice::File(_)), other)?;
+    require(!matches!(decision, DecisionChoice::File(_)), other)?;
     let fmu = Fmu::open(path)?;
     let trial = fmu.trial(None)?;
     let drive = fmu.drive(Some(&trial), drive)?;
@@ -198,7 +198,7 @@ pub fn pack(
 
 /// Which file says where the people of a Trial walk.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
-pub enum PlanChoice {
+pub enum DecisionChoice {
     /// The Trial's `decision.toml`, if it has one.
     #[default]
     Own,

@@ -7,7 +7,7 @@ use lemons_core::files::source::Memory;
 use lemons_core::files::words::shortened;
 use lemons_core::trial::{DriveChoice, DriveTable, FileNames, ShapeElement, Trial};
 use lemons_decision::{DecisionConfig, Plan};
-use lemons_master::{PlanChoice, documents_of, whole};
+use lemons_master::{DecisionChoice, documents_of, whole};
 use lemons_sim::Documents;
 use lemons_sim::lint::{self, Files};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
@@ -21,19 +21,19 @@ pub fn short(error: impl std::fmt::Display) -> String {
     shortened(&error.to_string()).into_owned()
 }
 
-/// A Trial with its drive and the plan of its people, read and checked. It can be pickled.
+/// A Trial with its drive and its `decision.toml`, read and checked. It can be pickled.
 #[pyclass(name = "Model", frozen, module = "lemons_fmu._native")]
 pub struct PyModel {
     pub(crate) documents: Documents,
     /// The file that says where people walk, as the user knows it.
     #[pyo3(get)]
-    plan: Option<PathBuf>,
+    decision: Option<PathBuf>,
     /// Warnings of what is probably not meant.
     #[pyo3(get)]
     warnings: Vec<String>,
 }
 
-/// The texts of a model: name and directory of the Trial, its files, the drive as CSV, the plan as TOML.
+/// The texts of a model: name and directory of the Trial, its files, the drive as CSV, and its decision.toml.
 type Texts = (String, PathBuf, Vec<(PathBuf, String)>, String, Option<String>);
 
 /// Times \[s\] and pushes of each agent that a drive names, by index.
@@ -41,31 +41,31 @@ type Drives<'py> = BTreeMap<usize, (Bound<'py, PyArray1<f64>>, Bound<'py, PyArra
 
 #[pymethods]
 impl PyModel {
-    /// Reads a Trial (its directory or its zip), or the Trial in the FMU of a crowd. People walk by `plan`, by default by
+    /// Reads a Trial (its directory or its zip), or the Trial in the FMU of a crowd. People walk by `decision`, by default by
     /// the Trial's decision.toml, or not at all.
     #[staticmethod]
-    #[pyo3(signature = (path, plan=None, walk=true))]
-    fn read(py: Python<'_>, path: PathBuf, plan: Option<PathBuf>, walk: bool) -> PyResult<PyModel> {
-        let choice = match plan {
-            Some(path) => PlanChoice::File(path),
-            None if walk => PlanChoice::Own,
-            None => PlanChoice::None,
+    #[pyo3(signature = (path, decision=None, walk=true))]
+    fn read(py: Python<'_>, path: PathBuf, decision: Option<PathBuf>, walk: bool) -> PyResult<PyModel> {
+        let choice = match decision {
+            Some(path) => DecisionChoice::File(path),
+            None if walk => DecisionChoice::Own,
+            None => DecisionChoice::None,
         };
         let read = py.detach(|| documents_of(&path, &DriveChoice::Own, &choice));
-        let (documents, mut problems, plan) = read.map_err(|error| {
+        let (documents, mut problems, decision) = read.map_err(|error| {
             let is_fmu = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu"));
             let advice = if is_fmu { OTHER_FMU } else { "" };
             CommandError::new_err(format!("{}{advice}", short(whole(&error))))
         })?;
-        let files = Files::chosen(&path, &DriveChoice::Own, plan.as_deref());
+        let files = Files::chosen(&path, &DriveChoice::Own, decision.as_deref());
         problems.extend(lint::of_documents(&documents, &files));
         problems.extend(lint::of_step(&documents, documents.trial.parameters.time_step, &files));
-        Ok(PyModel { documents, plan, warnings: problems.iter().map(short).collect() })
+        Ok(PyModel { documents, decision, warnings: problems.iter().map(short).collect() })
     }
 
     /// Makes the model of its texts.
     #[staticmethod]
-    fn of_texts(texts: Texts, plan: Option<PathBuf>, warnings: Vec<String>) -> PyResult<PyModel> {
+    fn of_texts(texts: Texts, decision: Option<PathBuf>, warnings: Vec<String>) -> PyResult<PyModel> {
         let (name, directory, files, drive, toml) = texts;
         let mut memory = Memory::default();
         files.into_iter().for_each(|(path, text)| memory.put(&path, text.into_bytes()));
@@ -73,9 +73,9 @@ impl PyModel {
         let read = setup::read_from(&memory, &directory, &FileNames::default());
         let trial = Trial { name, ..read.map_err(|problems| wrong(&problems))?.0 };
         let drive = DriveTable::from_csv(drive.as_bytes()).map_err(|error| wrong(&error))?;
-        let made = toml.map(|text| Plan::of(&trial, &DecisionConfig::from_toml(&text)?)).transpose();
-        let made = made.map_err(|error| wrong(&error))?;
-        Ok(PyModel { documents: Documents { trial, drive, plan: made }, plan, warnings })
+        let plan = toml.map(|text| Plan::of(&trial, &DecisionConfig::from_toml(&text)?)).transpose();
+        let plan = plan.map_err(|error| wrong(&error))?;
+        Ok(PyModel { documents: Documents { trial, drive, plan }, decision, warnings })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Parts)> {
@@ -92,7 +92,7 @@ impl PyModel {
         let texts = trial.texts(&trial.directory);
         let texts = (trial.name.clone(), trial.directory.clone(), texts, rows, toml);
         let make = py.get_type::<PyModel>().getattr("of_texts")?;
-        Ok((make, (texts, self.plan.clone(), self.warnings.clone())))
+        Ok((make, (texts, self.decision.clone(), self.warnings.clone())))
     }
 
     /// Name of the Trial.
@@ -125,7 +125,7 @@ impl PyModel {
     }
 }
 
-/// The parts of a model: its texts, the name of its plan, warnings.
+/// The parts of a model: its texts, the path of its `decision.toml`, warnings.
 type Parts = (Texts, Option<PathBuf>, Vec<String>);
 
 /// Said of an FMU that has no Trial.

@@ -106,7 +106,7 @@ impl PySimulation {
             Some(input) => {
                 let by = if name.starts_with("decision.") { "the crowd" } else { "Decision" };
                 Err(refused(format!(
-                    "{name}: would be overwritten: {by} feeds {input} (plan=False: nobody walks)"
+                    "{name}: would be overwritten: {by} feeds {input} (decision=False: nobody walks)"
                 )))
             }
         }

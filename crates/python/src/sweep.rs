@@ -2,9 +2,9 @@
 
 use crate::model::{PyModel, short};
 use crate::simulation::{algorithm_of, condition, refused, until_of};
-use lemons_master::PlanChoice;
+use lemons_master::DecisionChoice;
 use lemons_sim::Clock;
-use lemons_sweep::{Finished, MeasuredValue, Models, SweepPlan, Template, check_parameters, identity};
+use lemons_sweep::{Finished, MeasuredValue, Models, SweepDecision, Template, check_parameters, identity};
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -58,14 +58,14 @@ fn template(text: &str, points: &lemons_sweep::Points) -> PyResult<Template> {
 #[pymethods]
 impl Study {
     /// Makes the points of parameters and their values: all combinations (a grid), or a point for each row. They simulate a
-    /// Trial or the FMU of a crowd, whose path may contain names of parameters in braces. People walk by `plan`, by default
+    /// Trial or the FMU of a crowd, whose path may contain names of parameters in braces. People walk by `decision`, by default
     /// by the Trial's decision.toml, or not at all.
     #[new]
     fn new(
         columns: Vec<(String, Vec<Bound<'_, PyAny>>)>,
         grid: bool,
         what: &str,
-        plan: Option<&str>,
+        decision: Option<&str>,
         walk: bool,
     ) -> PyResult<Study> {
         let texts = columns.iter().map(|(name, values)| Ok((name.clone(), texts_of(name, values)?)));
@@ -78,12 +78,12 @@ impl Study {
         if points.count == 0 {
             return Err(wrong("there are no points"));
         }
-        let plan = match plan {
-            Some(text) => SweepPlan::File(template(text, &points)?),
-            None if walk => SweepPlan::Own,
-            None => SweepPlan::None,
+        let decision = match decision {
+            Some(text) => SweepDecision::File(template(text, &points)?),
+            None if walk => SweepDecision::Own,
+            None => SweepDecision::None,
         };
-        let models = Models::of(&points, &template(what, &points)?, &plan);
+        let models = Models::of(&points, &template(what, &points)?, &decision);
         let columns = columns.into_iter().map(|(_, values)| values.into_iter().map(Bound::unbind).collect());
         let models = models.map_err(|error| wrong(error.whole()))?;
         Ok(Study { points, columns: columns.collect(), models })
@@ -110,12 +110,12 @@ impl Study {
         Ok(self.columns[column][parameter.place(point)].clone_ref(py))
     }
 
-    /// Each model's path, the path of its plan, and whether people walk.
+    /// Each model's path, the path of its `decision.toml`, and whether people walk.
     fn models(&self) -> Vec<(PathBuf, Option<PathBuf>, bool)> {
         let all = self.models.all.iter();
-        all.map(|(path, plan)| match plan {
-            PlanChoice::File(plan) => (path.clone(), Some(plan.clone()), true),
-            plan => (path.clone(), None, *plan != PlanChoice::None),
+        all.map(|(path, decision)| match decision {
+            DecisionChoice::File(file) => (path.clone(), Some(file.clone()), true),
+            decision => (path.clone(), None, *decision != DecisionChoice::None),
         })
         .collect()
     }

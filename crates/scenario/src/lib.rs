@@ -118,7 +118,7 @@ pub struct Scenario {
     /// Pushes.
     pub pushes: Vec<Push>,
     /// Further keys of what people do, as in `decision.toml`.
-    #[cfg_attr(feature = "typescript", ts(type = "Wishes"))]
+    #[cfg_attr(feature = "typescript", ts(type = "DecisionConfig"))]
     pub decision: DecisionConfig,
 }
 

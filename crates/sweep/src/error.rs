@@ -37,7 +37,7 @@ pub enum SweepError {
     /// The identity of a sweep cannot be written as JSON.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
-    /// A Trial, its drive or its plan cannot be used.
+    /// A Trial, its drive or its `decision.toml` cannot be used.
     #[error(transparent)]
     Master(#[from] lemons_master::MasterError),
     /// A point cannot be simulated.

@@ -33,17 +33,17 @@ pub fn of_points(points: &Points) -> Value {
     json!({ "parameters": names, "count": points.count, "sha1": points.sha1() })
 }
 
-/// Returns what must be equal of a Trial, its drive, its communication step \[s\]; and of people who walk, their plan.
+/// Returns what must be equal of a Trial, its drive, its communication step \[s\]; and of people who walk, their `decision.toml`.
 ///
 /// # Errors
-/// The plan cannot be written.
+/// It cannot be written.
 pub fn of_documents(documents: &Documents, algorithm: Algorithm, step: f64) -> Result<Map<String, Value>> {
     let mut all = Map::new();
     let Documents { trial, drive, plan } = documents;
     let fingerprint = format!("{:032x}", trial.fingerprint());
     all.insert("trial".into(), json!({ "name": trial.name, "fingerprint": fingerprint }));
     if let Some(plan) = plan {
-        all.insert("plan".into(), format!("{:032x}", plan.fingerprint).into());
+        all.insert("decision".into(), format!("{:032x}", plan.fingerprint).into());
         all.insert("algorithm".into(), algorithm.to_string().into());
     }
     all.insert("drive".into(), drive.fingerprint().into());

@@ -1,4 +1,4 @@
-//! Parameter sweeps: many runs with different parameters, on all processors: of a Trial, alone or with the plan by which
+//! Parameter sweeps: many runs with different parameters, on all processors: of a Trial, alone or with the `decision.toml` by which
 //! its people walk, or of several Trials.
 //!
 //! A [`Spec`] (`sweep.toml`) gives the model, the values of the parameters and the measures. [`sweep`] simulates the
@@ -20,7 +20,7 @@ mod sweep;
 mod table;
 
 pub use error::{Result, SweepError};
-pub use models::{Models, SweepModel, SweepPlan, Template};
+pub use models::{Models, SweepDecision, SweepModel, Template};
 pub use points::{Points, SweepParameter};
 pub use simulate::check_parameters;
 pub use spec::Spec;

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::points::Points;
-use lemons_master::{PlanChoice, require};
+use lemons_master::{DecisionChoice, require};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ const MOST_MODELS: usize = 10_000;
 
 /// Where the people of Trials walk.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum SweepPlan {
+pub enum SweepDecision {
     /// By the Trial's `decision.toml`, if it has one.
     Own,
     /// Nobody walks.
@@ -21,7 +21,7 @@ pub enum SweepPlan {
 }
 
 /// Model of a point: a Trial, or the one in an FMU, and where people walk.
-pub type SweepModel = (PathBuf, PlanChoice);
+pub type SweepModel = (PathBuf, DecisionChoice);
 
 /// Models of all points.
 #[derive(Debug, Clone)]
@@ -41,18 +41,18 @@ impl Models {
     ///
     /// # Errors
     /// There are too many.
-    pub fn of(points: &Points, path: &Template, plan: &SweepPlan) -> Result<Models> {
+    pub fn of(points: &Points, path: &Template, decision: &SweepDecision) -> Result<Models> {
         let model = |point: usize| -> SweepModel {
-            let plan = match plan {
-                SweepPlan::Own => PlanChoice::Own,
-                SweepPlan::None => PlanChoice::None,
-                SweepPlan::File(template) => PlanChoice::File(template.path(points, point)),
+            let decision = match decision {
+                SweepDecision::Own => DecisionChoice::Own,
+                SweepDecision::None => DecisionChoice::None,
+                SweepDecision::File(template) => DecisionChoice::File(template.path(points, point)),
             };
-            (path.path(points, point), plan)
+            (path.path(points, point), decision)
         };
-        let of_plan = |column| matches!(plan, SweepPlan::File(template) if template.uses(column));
+        let of_decision = |column| matches!(decision, SweepDecision::File(template) if template.uses(column));
         let columns = 0..points.parameters.len();
-        let chooses: Vec<bool> = columns.map(|column| path.uses(column) || of_plan(column)).collect();
+        let chooses: Vec<bool> = columns.map(|column| path.uses(column) || of_decision(column)).collect();
         if !chooses.contains(&true) {
             return Ok(Models { all: vec![model(0)], of_points: None, chooses, first: vec![0] });
         }
@@ -68,7 +68,7 @@ impl Models {
             let chosen = points.parameters.iter().zip(&chooses).filter(|(_, chooses)| **chooses);
             let values = chosen.map(|(parameter, _)| format!("{} = {}", parameter.name, parameter.at(point)));
             let name = values.collect::<Vec<String>>().join(", ");
-            (PathBuf::from(if name.is_empty() { "population".to_owned() } else { name }), PlanChoice::Own)
+            (PathBuf::from(if name.is_empty() { "population".to_owned() } else { name }), DecisionChoice::Own)
         };
         Models::among(points, chooses.clone(), model)
     }
@@ -84,7 +84,9 @@ impl Models {
                 all.len() - 1
             });
             of_points.push(place);
-            let many = || format!("there are more than {MOST_MODELS} crowds, Trials, FMUs or plans");
+            let many = || {
+                format!("there are more than {MOST_MODELS} crowds, Trials, FMUs or files like decision.toml")
+            };
             require(all.len() <= MOST_MODELS, many)?;
         }
         Ok(Models { all, of_points: Some(of_points), chooses, first })

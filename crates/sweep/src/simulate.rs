@@ -145,17 +145,20 @@ impl LoadedModel {
     /// Loads the model of a place, and checks that it has all variables that are set and read. `examines`: says what is
     /// probably not meant.
     fn open(spec: &Spec, place: usize, examines: bool) -> Result<LoadedModel> {
-        let (path, plan) = &spec.models.all[place];
+        let (path, decision) = &spec.models.all[place];
         let (mut documents, mut problems, walks) = match &spec.population {
             Some(population) => {
                 let own = population.at(&spec.points, spec.models.first_point(place));
                 let documents = own.and_then(|own| own.documents()).place(|| "population".into())?;
                 (documents, Problems::default(), None)
             }
-            None => documents_of(path, &spec.drive, plan)?,
+            None => documents_of(path, &spec.drive, decision)?,
         };
-        if walks.is_none() && spec.needs_plan {
-            return Err(SweepError::Spec(format!("plan = true: {} has no decision.toml", path.display())));
+        if walks.is_none() && spec.needs_decision {
+            return Err(SweepError::Spec(format!(
+                "decision = true: {} has no decision.toml",
+                path.display()
+            )));
         }
         let step = spec.step.unwrap_or(documents.trial.parameters.time_step);
         let clock = Clock::new(0.0, step, spec.until.latest()).map_err(lemons_master::MasterError::from);

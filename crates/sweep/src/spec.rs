@@ -3,14 +3,14 @@
 use crate::error::{ErrorPlace, Result};
 use crate::measure::Measure;
 use crate::measure::places::Places;
-use crate::models::{Models, SweepPlan, Template};
+use crate::models::{Models, SweepDecision, Template};
 use crate::output::Stop;
 use crate::points::{Axis, OUTPUT_DIRECTORY, Points};
 use crate::population::Population;
 use crate::table::{ERROR, POINT, STATUS};
 use lemons_core::files::input;
 use lemons_core::trial::DriveChoice;
-use lemons_master::{FileType, PlanChoice, require};
+use lemons_master::{DecisionChoice, FileType, require};
 use lemons_sim::{Algorithm, Until};
 use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
@@ -25,7 +25,7 @@ pub struct Spec {
     /// The people of the crowds that are the models, if these are made here.
     pub(crate) population: Option<Population>,
     /// True if each Trial must have a `decision.toml`.
-    pub(crate) needs_plan: bool,
+    pub(crate) needs_decision: bool,
     /// When a point ends.
     pub until: Until,
     /// Condition that ends a point before.
@@ -50,7 +50,7 @@ pub struct Spec {
 
 /// The keys of the file that say where something is, or how it is set: what they mean is compared instead.
 const ELSEWHERE: [&str; 10] =
-    ["trial", "fmu", "step", "drive", "plan", "algorithm", "parameters", "table", "walkable", "scenario"];
+    ["trial", "fmu", "step", "drive", "decision", "algorithm", "parameters", "table", "walkable", "scenario"];
 
 /// When a point ends, as the file says it.
 fn until<'de, D: Deserializer<'de>>(of: D) -> Result<Until, D::Error> {
@@ -83,7 +83,7 @@ struct Document {
     stop: Option<Stop>,
     step: Option<f64>,
     drive: Option<FileText>,
-    plan: Option<FileText>,
+    decision: Option<FileText>,
     #[serde(default)]
     algorithm: Algorithm,
     parameters: Option<toml::Table>,
@@ -145,14 +145,15 @@ impl Spec {
             (None, None, Some(_)) => ("population", String::new()),
             _ => return Err("give one of the keys trial, fmu and scenario, or [population]".into()),
         };
-        for (name, given) in [("plan", document.plan.is_some()), ("drive", document.drive.is_some())] {
+        for (name, given) in [("decision", document.decision.is_some()), ("drive", document.drive.is_some())]
+        {
             require(!given || population.is_none(), || format!("{name}: is not for a [population]"))?;
         }
         if let Some(population) = &population {
             population.check().place(|| "population".into())?;
         }
-        let plan_of_fmu = key == "fmu" && document.plan.is_some();
-        require(!plan_of_fmu, || "plan: is for a trial, and not for an fmu")?;
+        let decision_of_fmu = key == "fmu" && document.decision.is_some();
+        require(!decision_of_fmu, || "decision: is for a trial, and not for an fmu")?;
         for (key, value) in [("until", Some(document.until.latest())), ("step", document.step)] {
             let positive = value.is_none_or(|value| value > 0.0 && value.is_finite());
             require(positive, || format!("{key}: must be a positive number of seconds"))?;
@@ -204,11 +205,11 @@ impl Spec {
         let chosen = population.as_ref().map(|population| population.choosers(&points));
         let chosen = chosen.transpose().place(|| "parameters".into())?;
         let model = template(key, &model)?;
-        let needs_plan = matches!(document.plan, Some(FileText::Switch(true)));
-        let plan = match &document.plan {
-            None | Some(FileText::Switch(true)) => SweepPlan::Own,
-            Some(FileText::Switch(false)) => SweepPlan::None,
-            Some(FileText::File(text)) => SweepPlan::File(template("plan", text)?),
+        let needs_decision = matches!(document.decision, Some(FileText::Switch(true)));
+        let decision = match &document.decision {
+            None | Some(FileText::Switch(true)) => SweepDecision::Own,
+            Some(FileText::Switch(false)) => SweepDecision::None,
+            Some(FileText::File(text)) => SweepDecision::File(template("decision", text)?),
         };
         let drive = match document.drive {
             None | Some(FileText::Switch(true)) => DriveChoice::Own,
@@ -221,7 +222,7 @@ impl Spec {
         let Document { until, stop, step, algorithm, .. } = document;
         let models = match chosen {
             Some(chosen) => Models::of_crowds(&points, chosen)?,
-            None => Models::of(&points, &model, &plan)?,
+            None => Models::of(&points, &model, &decision)?,
         };
         for (place, (name, _)) in models.all.iter().enumerate() {
             let Some(population) = &population else { break };
@@ -229,16 +230,16 @@ impl Spec {
             let own = own.place(|| name.display().to_string()).place(|| "parameters".into())?;
             inputs.extend(own.files());
         }
-        for (path, plan) in models.all.iter().filter(|_| population.is_none()) {
+        for (path, decision) in models.all.iter().filter(|_| population.is_none()) {
             inputs.push(path.clone());
-            if let PlanChoice::File(path) = plan {
+            if let DecisionChoice::File(path) = decision {
                 inputs.push(path.clone());
             }
         }
         Ok(Spec {
             models,
             population,
-            needs_plan,
+            needs_decision,
             until,
             stop,
             step,
@@ -348,9 +349,9 @@ mod tests {
         // What replaces a part of the good text, and what is said.
         for (part, to, expected) in [
             ("trial = \"push\"", "", "trial, fmu and scenario"),
-            ("trial = \"push\"", "fmu = \"push.fmu\"\nplan = false", "plan: is for a trial"),
+            ("trial = \"push\"", "fmu = \"push.fmu\"\ndecision = false", "decision: is for a trial"),
             ("\"push\"", "\"push_{seed}\"", "trial: push_{seed}: there is no parameter \"seed\""),
-            ("drive = false", "plan = 5", "plan"),
+            ("drive = false", "decision = 5", "decision"),
             ("drive = false", "algorithm = \"euler\"", "gauss-seidel"),
             ("until = 2", "until = 2\nstop = { of = \"x\" }", "stop: it needs one of at_least and at_most"),
             ("until = 2", "until = -2", "until: must be a positive"),
@@ -400,20 +401,20 @@ mod tests {
 
     /// Five widths of a door, each with its own crowds.
     #[test]
-    fn parameters_choose_trials_and_plans() {
+    fn parameters_choose_trials_and_decisions() {
         let text = GOOD
-            .replace("\"push\"", "\"door_{width}_{seed}\"\nplan = \"{width}.toml\"")
+            .replace("\"push\"", "\"door_{width}_{seed}\"\ndecision = \"{width}.toml\"")
             .replace("[0, 0.5]", "[0.4]\nwidth = [0.8, 1.0]\nseed = { from = 1, to = 3 }");
         let spec = read(&text).unwrap();
         assert_eq!(spec.points.parameters[3].values(), ["1", "2", "3"]);
         let models = &spec.models;
         assert_eq!((spec.points.count, models.all.len(), spec.inputs.len()), (18, 6, 12));
-        let plan = |name: &str| PlanChoice::File(PathBuf::from(name));
-        assert_eq!(models.all[models.place(4)], (PathBuf::from("in/door_1.0_2"), plan("in/1.0.toml")));
+        let decision = |name: &str| DecisionChoice::File(PathBuf::from(name));
+        assert_eq!(models.all[models.place(4)], (PathBuf::from("in/door_1.0_2"), decision("in/1.0.toml")));
         assert_eq!(models.place(4), models.place(10));
         assert_eq!([0, 1, 2, 3].map(|column| models.only_chooses(column)), [false, false, true, true]);
         let error = read(&text.replace("to = 3 }", "to = 20000 }")).unwrap_err();
-        assert_eq!(error, "there are more than 10000 crowds, Trials, FMUs or plans");
+        assert_eq!(error, "there are more than 10000 crowds, Trials, FMUs or files like decision.toml");
     }
 
     /// They overflowed to infinities and to NaN, which were simulated.

@@ -57,7 +57,7 @@ pub struct Swept {
 /// communication point. Failed points are kept with their message.
 ///
 /// # Errors
-/// A Trial, an FMU, a plan or the drive cannot be used, the table belongs to another sweep, or it cannot be written.
+/// A Trial, an FMU, a `decision.toml` or the drive cannot be used, the table belongs to another sweep, or it cannot be written.
 pub fn sweep(
     spec: Spec,
     table: &Path,

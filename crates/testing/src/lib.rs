@@ -13,7 +13,7 @@ pub fn trial_push() -> PathBuf {
     repository().join("resources/Trial_push")
 }
 
-/// A room with a door and its decision plan.
+/// A room with a door and its `decision.toml`.
 pub fn trial_door() -> PathBuf {
     repository().join("resources/Trial_door")
 }

@@ -6,7 +6,7 @@
 //! - `trial_xml`: any bytes as one file of a Trial
 //! - `fmu_archive`: any bytes as an `.fmu`, or as its `modelDescription.xml`
 //! - `ssp_archive`: any bytes as an `.ssp`, as its structure, or as an FMU's interface
-//! - `decision_toml`: any text as `decision.toml` or as a plan
+//! - `decision_toml`: any text as `decision.toml`
 //! - `drive_csv`: any bytes as a drive file
 //! - `table_csv`: any bytes as the table of a run
 //! - `trajectories`: any bytes as trajectories of others

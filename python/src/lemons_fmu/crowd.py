@@ -30,7 +30,7 @@ Until = Union[float, Literal["left"]]
 #: In which order crowd and Decision step: as `--algorithm` of `lemons run`.
 Algorithm = Literal["jacobi", "gauss-seidel"]
 #: Where people walk. None: by the decision.toml of the Trial, if it has one. False: nobody walks. Or such a file, by its path.
-Plan = Union[None, Literal[False], str, "os.PathLike[str]"]
+DecisionChoice = Union[None, Literal[False], str, "os.PathLike[str]"]
 
 #: [s] For so long a run goes on before Python looks for Ctrl-C and shows the progress.
 _PART = 0.1
@@ -39,27 +39,27 @@ _MOST_STEPS = 1_000_000_000
 _PROPULSION = re.compile(r"(?:crowd\.)?agent\[(\d+|\*)\]\.(?:Fp\.[xy]|Mp)")
 
 
-def model_of(what: Source | _native.Model, plan: Plan = None) -> _native.Model:
+def model_of(what: Source | _native.Model, decision: DecisionChoice = None) -> _native.Model:
     """Reads what is simulated.
 
     Raises:
-        CommandError: the Trial or the plan has errors; or there is an FMU without a Trial.
-        TypeError: the plan is not a plan, or `what` is not a path.
-        ValueError: a plan is given for an FMU.
+        CommandError: the Trial or the decision.toml has errors; or there is an FMU without a Trial.
+        TypeError: `decision` is none, or `what` is not a path.
+        ValueError: a decision.toml is given for an FMU.
     """
     if isinstance(what, _native.Model):
         return what
-    if not (plan is None or plan is False or isinstance(plan, (str, os.PathLike))):
-        raise TypeError(f"the plan is {plan!r}; it must be None, False, or the path of a decision.toml")
+    if not (decision is None or decision is False or isinstance(decision, (str, os.PathLike))):
+        raise TypeError(f"decision={decision!r}: must be None, False, or the path of a decision.toml")
     path = os.fspath(what)
     if not isinstance(path, str):
         raise TypeError(f"{type(what).__name__}: give the path of a Trial or of the FMU of a crowd; FMPy runs other FMUs")
-    given = None if plan is None or plan is False else os.fspath(plan)
+    given = None if decision is None or decision is False else os.fspath(decision)
     if given is not None and given.lower().endswith(".fmu"):
-        raise ValueError(f"plan={given!r}: give the decision.toml; an FMU that decides is coupled by lemons connect, or with FMPy")
+        raise ValueError(f"decision={given!r}: give the decision.toml; an FMU that decides is coupled by lemons connect, or with FMPy")
     if given is not None and path.lower().endswith(".fmu"):
-        raise ValueError(f"plan={given!r}: is for a Trial: give the Trial instead of its FMU")
-    return _native.Model.read(path, given, plan is not False)
+        raise ValueError(f"decision={given!r}: is for a Trial: give the Trial instead of its FMU")
+    return _native.Model.read(path, given, decision is not False)
 
 
 @dataclass(frozen=True, repr=False)
@@ -79,17 +79,17 @@ class Crowd:
 
     `what` is a Trial (its directory, or a zip of it), or the FMU of a crowd: the first Trial in it is simulated by this
     package's own mechanics. The people of a Trial walk by its decision.toml, as in `lemons run`, and the results have the
-    same bits. `plan` is another such file; with `plan=False` nobody walks. `algorithm` says in which order the crowd and who
-    decides step ("jacobi", "gauss-seidel").
+    same bits. `decision` is another such file; with `decision=False` nobody walks. `algorithm` says in which order the crowd
+    and who decides step ("jacobi", "gauss-seidel").
 
     `parameters` are set before initialization: parameters and start values by their names in the FMU; `agent[*].Mass` sets the
     mass of all agents, `decision.agent[3].DesiredSpeed` a parameter of Decision. Only one thread at a time may use a Crowd;
     make one for each thread.
 
     Raises:
-        CommandError: the Trial or the plan has errors; the message is that of `lemons run`.
+        CommandError: the Trial or the decision.toml has errors; the message is that of `lemons run`.
         SimulationError: a parameter is unknown or refused.
-        ValueError: a plan is given for an FMU, or the algorithm is unknown.
+        ValueError: a decision.toml is given for an FMU, or the algorithm is unknown.
     """
 
     def __init__(
@@ -97,12 +97,12 @@ class Crowd:
         what: Source | _native.Model,
         parameters: Mapping[str, Value] | None = None,
         *,
-        plan: Plan = None,
+        decision: DecisionChoice = None,
         algorithm: Algorithm = "jacobi",
         start: float = 0.0,
     ) -> None:
         #: What is simulated. It can be given instead of the Trial, and pickled.
-        self.model = model_of(what, plan)
+        self.model = model_of(what, decision)
         #: Ids of the agents in Agents.xml.
         self.ids: tuple[str, ...] = tuple(self.model.ids)
         #: Warnings and notes so far, as those of `lemons run`.
@@ -132,9 +132,9 @@ class Crowd:
         return self._own
 
     @property
-    def plan(self) -> str | None:
+    def decision(self) -> str | None:
         """The file by which people walk; None: nobody walks."""
-        return None if self.model.plan is None else os.fspath(self.model.plan)
+        return None if self.model.decision is None else os.fspath(self.model.decision)
 
     @property
     def trial(self) -> str:
@@ -160,7 +160,7 @@ class Crowd:
     def __repr__(self) -> str:
         if self._own is None:
             return "<Crowd, closed>"
-        walk = "" if self.plan is None else " who walk"
+        walk = "" if self.decision is None else " who walk"
         return f"<Crowd of {len(self)} people{walk}, Trial {self.trial!r}, at {self.time:g} s>"
 
     def __len__(self) -> int:
@@ -329,7 +329,7 @@ class Crowd:
         if why is not None:
             warnings.warn(why, stacklevel=2)
         times, numbers = recording.finish()
-        leaving = self.plan is not None or not bool(numbers[:, :, PLACE["active"]].all())
+        leaving = self.decision is not None or not bool(numbers[:, :, PLACE["active"]].all())
         ended = float(times[-1]) if met or recording.have_left else None
         return Run(times, numbers, self.ids, leaving, ended, self.model)
 
@@ -365,8 +365,8 @@ class Presence:
         return bool(found) if isinstance(found, np.bool_) else found
 
     def __setitem__(self, which: Any, values: npt.ArrayLike) -> None:
-        if self._crowd.plan is not None:
-            raise SimulationError(f"agent[i].Active is set by {self._crowd.plan} in each step; with plan=False nobody walks")
+        if self._crowd.decision is not None:
+            raise SimulationError(f"agent[i].Active is set by {self._crowd.decision} in each step; with decision=False nobody walks")
         given = np.asarray(values)
         if not np.isin(given, (0, 1)).all():
             raise ValueError(f"whether people are there must be True or False, not {values!r}")

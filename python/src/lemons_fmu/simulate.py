@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from .crowd import Algorithm, Crowd, Plan, Source, Until, Value
+from .crowd import Algorithm, Crowd, DecisionChoice, Source, Until, Value
 from .drive import DriveLike
 from .extra import needed
 from .record import Run
@@ -21,7 +21,7 @@ def run(
     until: Until = 5.0,
     *,
     step: float | None = None,
-    plan: Plan = None,
+    decision: DecisionChoice = None,
     algorithm: Algorithm = "jacobi",
     stop: Callable[[Crowd], bool] | None = None,
     progress: bool = False,
@@ -29,17 +29,17 @@ def run(
     """Simulates from the beginning of a Trial until a time [s], or until everybody has left ("left").
 
     `what` is a Trial (its directory, or its zip), or the FMU of a crowd, whose Trial is simulated. People walk as in a `Crowd`:
-    by the Trial's decision.toml or by another file (`plan`); with `plan=False` nobody does. The default drive is the
+    by the Trial's decision.toml or by another file (`decision`); with `decision=False` nobody does. The default drive is the
     drive.csv of the Trial; `False` means no drive (`--no-drive`). `stop` is that of `Crowd.run`.
 
     Raises:
-        CommandError: the Trial or the plan has errors; the message is that of `lemons run`.
+        CommandError: the Trial or the decision.toml has errors; the message is that of `lemons run`.
         SimulationError: the simulation refuses something.
         TypeError: the drive is not a drive.
-        ValueError: drive, time or step are not valid, or a plan is given for an FMU.
+        ValueError: drive, time or step are not valid, or a decision.toml is given for an FMU.
         OSError: the drive's file cannot be read.
     """
-    with Crowd(what, parameters, plan=plan, algorithm=algorithm) as crowd:
+    with Crowd(what, parameters, decision=decision, algorithm=algorithm) as crowd:
         return crowd.run(drive, until=until, step=step, stop=stop, progress=progress)
 
 
@@ -50,7 +50,7 @@ def simulate(
     until: Until = 5.0,
     *,
     step: float | None = None,
-    plan: Plan = None,
+    decision: DecisionChoice = None,
     algorithm: Algorithm = "jacobi",
     stop: Callable[[Crowd], bool] | None = None,
     progress: bool = False,
@@ -68,4 +68,4 @@ def simulate(
     # Before the run.
     with needed("tables", "a table"):
         import pandas
-    return run(what, drive, parameters, until, step=step, plan=plan, algorithm=algorithm, stop=stop, progress=progress).frame()
+    return run(what, drive, parameters, until, step=step, decision=decision, algorithm=algorithm, stop=stop, progress=progress).frame()

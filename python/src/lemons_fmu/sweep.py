@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Union
 
 from . import _native
 from ._native import SweepError as SweepError
-from .crowd import Algorithm, Crowd, Plan, Source, Until, Value, model_of
+from .crowd import Algorithm, Crowd, DecisionChoice, Source, Until, Value, model_of
 from .drive import DriveLike, function_identity, identity, known
 from .extra import needed
 from .progress import Progress, ProgressLine
@@ -37,7 +37,7 @@ def sweep(
     *,
     until: Until,
     step: float | None = None,
-    plan: Plan = None,
+    decision: DecisionChoice = None,
     algorithm: Algorithm = "jacobi",
     stop: Stop | None = None,
     out: str | os.PathLike[str] | None = None,
@@ -48,8 +48,9 @@ def sweep(
     """Simulates every point until a time [s]. Returns a table sorted by point: `point`, the parameters, the measures of each
     run, `status` (`ok` or `failed`) and `error` (the message of a failed point).
 
-    `what` is a Trial or the FMU of a crowd, and people walk as in a `Crowd` (`plan`, `algorithm`). The path of `what` or `plan`
-    may contain names of parameters in braces: `"room_{width}_{seed}"`. Such a parameter only chooses what is simulated.
+    `what` is a Trial or the FMU of a crowd, and people walk as in a `Crowd` (`decision`, `algorithm`). The path of `what` or
+    `decision` may contain names of parameters in braces: `"room_{width}_{seed}"`. Such a parameter only chooses what is
+    simulated.
 
     `points` is a grid or a table of parameters by their names in the FMU (`agent[*].Mass` sets the masses of all agents,
     `decision.agent[3].DesiredSpeed` a parameter of Decision). `drive` is as for `Crowd.run`: None is the drive.csv of the point's
@@ -66,7 +67,7 @@ def sweep(
     processes. `progress` shows the progress on standard error, or is a function that gets it.
 
     Raises:
-        CommandError: a Trial or a plan has errors.
+        CommandError: a Trial or a decision.toml has errors.
         SimulationError: there is no variable with such a name, or nobody can leave.
         TypeError: the drive is not a drive, or the values of a parameter are not a list.
         ValueError: points, drive or times are not valid.
@@ -78,7 +79,7 @@ def sweep(
         import pandas  # noqa: F401 - for points and results
 
         from . import cluster
-    study = Study(points, what, plan, algorithm, drive, until, step)
+    study = Study(points, what, decision, algorithm, drive, until, step)
     work = cluster.pickled((drive if callable(drive) else None, measure, stop))
     subject = study.subject(0) if study.count == 1 else None
     job = Job(os.urandom(8).hex(), subject, tuple(study.native.names), tuple(study.native.set()), algorithm, work, until)
@@ -139,7 +140,7 @@ class Study:
         self,
         points: Grid,
         what: Source,
-        plan: Plan,
+        decision: DecisionChoice,
         algorithm: Algorithm,
         drive: DriveLike[Crowd],
         until: Until,
@@ -147,9 +148,9 @@ class Study:
     ) -> None:
         if isinstance(until, str) and until != "left":
             raise ValueError(f"until={until!r}: must be a time [s], or 'left'")
-        path = None if plan is None or plan is False else os.fspath(plan)
+        path = None if decision is None or decision is False else os.fspath(decision)
         columns, grid = _columns(points)
-        self.native = _native.Study(columns, grid, os.fspath(what), path, plan is not False)
+        self.native = _native.Study(columns, grid, os.fspath(what), path, decision is not False)
         self._models, self._drive, self._step = self.native.models(), drive, step
         self._algorithm, self._until = algorithm, None if isinstance(until, str) else float(until)
         self.count = len(self._models)
@@ -170,8 +171,8 @@ class Study:
         Raises:
             CommandError, TypeError, ValueError, OSError: see `sweep`.
         """
-        path, plan, walk = self._models[place]
-        model = model_of(path, plan if walk else False)
+        path, decision, walk = self._models[place]
+        model = model_of(path, decision if walk else False)
         drive = known(self._drive, model.ids)
         step = model.step if self._step is None else float(self._step)
         # Functions are sent with the job.

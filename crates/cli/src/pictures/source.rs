@@ -11,7 +11,7 @@ use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
 use lemons_decision::Plan;
-use lemons_master::{PlanChoice, RunSettings, TrialInput, plan_of};
+use lemons_master::{DecisionChoice, RunSettings, TrialInput, plan_of};
 pub use lemons_results::KeptFrames;
 use lemons_results::{Frame, READ, Record, Run};
 use lemons_sim::{Algorithm, Clock, Documents, Simulation, Until};
@@ -115,7 +115,7 @@ impl RunSource {
         let (runs, path) = (self.runs(), self.path.display());
         if !runs && self.inputs.given() {
             bail!(Misused(format!(
-                "{path} contains the results of an earlier run: --drive, --no-drive, --plan, --no-plan and --step are only for a Trial or an FMU, which is simulated first"
+                "{path} contains the results of an earlier run: --drive, --no-drive, --decision, --no-decision and --step are only for a Trial or an FMU, which is simulated first"
             )));
         }
         if self.ends_in("ssp") {
@@ -228,10 +228,10 @@ impl RunSource {
         }
         let path = if self.runs() { &self.path } else { self.trial.as_ref()? };
         let own = || TrialInput::open(path).ok()?.decision_file().and_then(|file| plan_of(trial, &file).ok());
-        match self.inputs.settings(path).plan {
-            PlanChoice::None => None,
-            PlanChoice::File(file) => plan_of(trial, &file).ok(),
-            PlanChoice::Own => own(),
+        match self.inputs.settings(path).decision {
+            DecisionChoice::None => None,
+            DecisionChoice::File(file) => plan_of(trial, &file).ok(),
+            DecisionChoice::Own => own(),
         }
     }
 

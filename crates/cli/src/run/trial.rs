@@ -81,11 +81,11 @@ impl RecordedModel for TrialRun {
 /// Prepares a run of a Trial. Warnings are printed.
 pub fn prepare(given: &TrialInput, settings: &RunSettings) -> Result<PreparedRun> {
     let saved = settings.saved()?;
-    let (mut documents, mut problems, plan) = given.documents(&settings.drive, &settings.plan)?;
+    let (mut documents, mut problems, decision) = given.documents(&settings.drive, &settings.decision)?;
     if let Some(longest) = settings.panel_length {
         documents.trial.geometry.divide(longest).map_err(Error::msg)?;
     }
-    let files = Files::chosen(given.path(), &settings.drive, plan.as_deref());
+    let files = Files::chosen(given.path(), &settings.drive, decision.as_deref());
     problems.extend(lint::of_documents(&documents, &files));
     problems.iter().for_each(|problem| note!("{problem}"));
     let (drive, walking) = (documents.drive.clone(), documents.plan.clone());
@@ -113,15 +113,15 @@ pub fn prepare(given: &TrialInput, settings: &RunSettings) -> Result<PreparedRun
     let components = vec![ComponentRecord::new(name, MODEL_NAME, &guid)];
     let of_saved = || format!("saved run {}", settings.resume.as_deref().unwrap_or(given.path()).display());
     if let Some(before) = &before {
-        match (&plan, before.component[0].name.as_str()) {
-            (Some(plan), CROWD) => bail!(
-                "nobody walked by a file in the saved run, but now people would walk ({}): give --no-plan to go on as \
+        match (&decision, before.component[0].name.as_str()) {
+            (Some(file), CROWD) => bail!(
+                "nobody walked by a file in the saved run, but now people would walk ({}): give --no-decision to go on as \
                  before",
-                plan.display()
+                file.display()
             ),
             (None, WALKERS) => bail!(
                 "people walked by a file like {DECISION_FILE} in the saved run, but now nobody would: go on without \
-                 --no-plan, and with the file as it was (--plan)"
+                 --no-decision, and with the file as it was (--decision)"
             ),
             _ => {}
         }
@@ -133,7 +133,7 @@ pub fn prepare(given: &TrialInput, settings: &RunSettings) -> Result<PreparedRun
         simulation.restore(&states[0]).with_context(of_saved)?;
     }
     warnings.iter().for_each(|warning| note!("{warning}"));
-    if plan.is_none() && before.is_none() && drive.end().is_none() && is_still(&simulation) {
+    if decision.is_none() && before.is_none() && drive.end().is_none() && is_still(&simulation) {
         note!("{}", notes::still());
     }
     let output_columns = columns_of(&simulation);

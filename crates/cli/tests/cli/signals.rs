@@ -30,7 +30,7 @@ fn a_signal_leaves_nothing_half_written() {
     let trial = trial.to_str().unwrap();
     done(place, &["pack", trial, "-o", "crowd.fmu"]);
     std::fs::write(place.join("walk.toml"), "waypoints = [{ x = 6.0, y = 2.5 }]\n").unwrap();
-    done(place, &["decide", trial, "--plan", "walk.toml", "-o", "decision.fmu"]);
+    done(place, &["decide", trial, "--decision", "walk.toml", "-o", "decision.fmu"]);
     done(place, &["run", trial, "--until", "0.1", "-o", "run.csv"]);
     // A run whose export takes its time.
     let mut table = std::fs::read_to_string(place.join("run.csv")).unwrap();
@@ -46,7 +46,7 @@ fn a_signal_leaves_nothing_half_written() {
     std::fs::create_dir(&temporary).unwrap();
     let commands = [
         vec!["pack", trial, "-o", "made.fmu"],
-        vec!["decide", trial, "--plan", "walk.toml", "-o", "decided.fmu"],
+        vec!["decide", trial, "--decision", "walk.toml", "-o", "decided.fmu"],
         vec!["connect", "decision.fmu", "crowd.fmu", "-o", "made.ssp"],
         vec!["export", "long.csv", "made.sqlite", "--to", "jupedsim", "--area", "area.wkt"],
         vec!["export", "long.csv", "made.txt", "--to", "pedpy"],

@@ -82,7 +82,7 @@ squeeze = { of = "peak_squeeze", take = "max" }
         ];
         done(at, &[&crowd[..], &["--mix", &mix, "--seed", seed, "-o", &trial]].concat());
         let sweep = format!(
-            "trial = \"{trial}\"\nplan = true\nuntil = 4\n[parameters]\nMostMechanicalSteps = [1e6]\n{}",
+            "trial = \"{trial}\"\ndecision = true\nuntil = 4\n[parameters]\nMostMechanicalSteps = [1e6]\n{}",
             &text[text.find("[measures]").unwrap()..]
         );
         fs::write(at.join("one.toml"), sweep).unwrap();
@@ -139,7 +139,7 @@ squeeze = { of = "peak_squeeze", take = "max" }
             "wheels\" = [0, 20]",
             "parameters: population.wheels: unknown field `wheels`",
         ),
-        ("until = 4", "until = 4\nplan = false", "plan: is not for a [population]"),
+        ("until = 4", "until = 4\ndecision = false", "decision: is not for a [population]"),
         (
             "until = 4",
             "until = 4\ntrial = \"T_0\"",

@@ -157,7 +157,7 @@ impl Model for Decision {
         const IMPOSSIBLE: &str = "it has other agents or way-points, or impossible values";
         let SavedDecision { fingerprint, agents: saved, time, wanted } = saved;
         if *fingerprint != self.fingerprint {
-            return refuse("the state belongs to another model, with another plan");
+            return refuse("the state belongs to another model, with another Trial or decision.toml");
         }
         let alike = |(a, b): (&AgentState, &AgentState)| {
             let count = b.walker.waypoints.len();

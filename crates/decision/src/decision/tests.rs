@@ -135,7 +135,7 @@ fn states_with_impossible_numbers_or_of_another_plan_are_refused() {
         assert_eq!(decision.save(), good);
     }
     let other = self::decision("waypoints = [{ x = 1, y = 3 }]").save();
-    assert!(decision.restore(&other).unwrap_err().message.contains("another plan"));
+    assert!(decision.restore(&other).unwrap_err().message.contains("another Trial or decision.toml"));
     decision.restore(&good).unwrap();
 }
 

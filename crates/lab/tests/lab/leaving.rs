@@ -7,7 +7,7 @@ fn line(name: &str, [a, b, c, d]: [f64; 4]) -> Value {
 }
 
 fn go(exits: &[Value], goals: &[Value]) -> Value {
-    json!({"kind": "go", "wishes": {
+    json!({"kind": "go", "decision": {
         "model": "rotational", "desired_speed": 1.34, "seed": 1,
         "exits": exits, "goals": goals, "agents": {},
     }})
@@ -120,7 +120,7 @@ fn without_exits_everybody_goes_to_the_goal_that_is_nearest_on_foot() {
     }
     // Whom one sends to the other, goes there; nobody asks about those who are deleted.
     let mut other = go(&[], &goals);
-    other["wishes"]["agents"] =
+    other["decision"]["agents"] =
         json!({"0": {"exit": null, "goal": "left"}, "1": {"exit": null, "goal": "left"}});
     let mut shown = show(base, other);
     shown["edits"] = json!([{"do": "delete", "id": "1"}]);

@@ -180,7 +180,7 @@ fn a_mix_of_kinds_is_drawn_shown_kept_and_walks_at_its_own_speeds() {
     let base = with(crowd(40, room.clone()), "mix", mix);
     let exits = json!([{"name": "door", "line": [[9.0, 1.0], [9.0, 5.0]], "polygon": null, "share": null}]);
     let decision = json!({"model": "rotational", "desired_speed": 1.34, "exits": exits, "goals": []});
-    let walk = |base: &Value| show(base.clone(), json!({"kind": "go", "wishes": decision}));
+    let walk = |base: &Value| show(base.clone(), json!({"kind": "go", "decision": decision}));
     let (made, _) = ok(&mut lab, walk(&base));
     let scene = &made["scene"];
     assert_eq!(scene["overlapping"], json!([]));
@@ -204,9 +204,9 @@ fn a_mix_of_kinds_is_drawn_shown_kept_and_walks_at_its_own_speeds() {
     // Frames are lighter than people and as stiff: the step is shorter than that of adults.
     assert_eq!((&scene["mechanical_step"], scene["people"].as_array().unwrap().len()), (&json!(5e-5), 40));
     let (_, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
-    let (texts, wishes_kept) = (file_in(&zip, "Agents.xml"), file_in(&zip, "decision.toml"));
+    let (texts, decision_kept) = (file_in(&zip, "Agents.xml"), file_in(&zip, "decision.toml"));
     assert_eq!(texts.matches("Kind=\"wheelchair\"").count(), chairs.len());
-    assert_eq!(wishes_kept.matches("desired_speed").count(), 1 + 40, "{wishes_kept}");
+    assert_eq!(decision_kept.matches("desired_speed").count(), 1 + 40, "{decision_kept}");
     let (_, table) = ok(&mut lab, take(1, json!({"file": "population"})));
     assert!(String::from_utf8(table).unwrap().lines().next().unwrap().ends_with("desired_speed_m_per_s"));
     // In three dimensions with chairs and suitcases, also of the Trial that was kept.

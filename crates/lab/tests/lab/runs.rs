@@ -127,8 +127,8 @@ fn who_has_left_has_no_place() {
     ok(&mut lab, show(base, json!({"kind": "none"})));
     let (name, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
     let place = name["name"].as_str().unwrap().trim_end_matches(".zip");
-    let plan = b"exits = [{ name = \"right\", polygon = [[3, 0], [4, 0], [4, 3], [3, 3]] }]";
-    let zip = zipped_with(&zip, &format!("{place}/decision.toml"), plan);
+    let decision = b"exits = [{ name = \"right\", polygon = [[3, 0], [4, 0], [4, 3], [3, 3]] }]";
+    let zip = zipped_with(&zip, &format!("{place}/decision.toml"), decision);
     // One is pushed as well.
     let drive = b"t,agent,Fp.x,Fp.y,Mp\n0,0,-80,40,3\n9,0,-90,45,3\n";
     let zip = zipped_with(&zip, &format!("{place}/drive.csv"), drive);

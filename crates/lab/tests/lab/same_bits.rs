@@ -8,7 +8,7 @@ use lemons_lab::Lab;
 use lemons_lab::frame::{COLUMNS, frame};
 use lemons_master::ssp::{Participant, write_archive};
 use lemons_master::{
-    PlanChoice, PreparedSystem, RunSettings, TrialInput, binary_beside, documents_of, own_binary,
+    DecisionChoice, PreparedSystem, RunSettings, TrialInput, binary_beside, documents_of, own_binary,
 };
 use lemons_people::zip_trial;
 use lemons_results::Frame;
@@ -130,7 +130,7 @@ struct Scene {
 impl Scene {
     fn of(directory: PathBuf) -> Scene {
         let (documents, mut problems, _) =
-            documents_of(&directory, &DriveChoice::Own, &PlanChoice::Own).unwrap();
+            documents_of(&directory, &DriveChoice::Own, &DecisionChoice::Own).unwrap();
         problems.extend(lint::of_documents(&documents, &Files::within(&directory)));
         Scene { directory, documents, problems }
     }

@@ -3,7 +3,7 @@
 use crate::packed;
 use crowd_mechanics::pack::{FmuFormat, Naming};
 use lemons_core::trial::DriveChoice;
-use lemons_master::{Experiment, PlanChoice, ReplayedExperiment, TrialInput, add_reference, replay};
+use lemons_master::{DecisionChoice, Experiment, ReplayedExperiment, TrialInput, add_reference, replay};
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ fn referenced(directory: &Path, format: FmuFormat) -> PathBuf {
     let path = packed(directory, format);
     let trial = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
     let trial = TrialInput::open(&trial).unwrap();
-    let (documents, ..) = trial.documents(&DriveChoice::Own, &PlanChoice::Own).unwrap();
+    let (documents, ..) = trial.documents(&DriveChoice::Own, &DecisionChoice::Own).unwrap();
     let experiment = Experiment { until: Some(0.5), ..Experiment::default() };
     add_reference(&path, &path, documents, &experiment).unwrap();
     path

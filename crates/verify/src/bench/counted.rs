@@ -9,7 +9,7 @@ use crowd_mechanics::scenes::{Random, in_a_box};
 use lemons_core::plane::vec2;
 use lemons_core::trial::{DriveChoice, OpeningTimes, Wall};
 use lemons_decision::{DecisionConfig, Plan};
-use lemons_master::{PlanChoice, TrialInput};
+use lemons_master::{DecisionChoice, TrialInput};
 use lemons_sim::{Algorithm, Simulation};
 use std::path::Path;
 
@@ -87,7 +87,7 @@ fn walking(more: &str, closes: bool) -> Result<Call> {
     const BEGIN: f64 = 1.5;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_door");
     let input = TrialInput::find(&path)?.context("resources/Trial_door is there")?;
-    let (mut documents, _, decision) = input.documents(&DriveChoice::None, &PlanChoice::Own)?;
+    let (mut documents, _, decision) = input.documents(&DriveChoice::None, &DecisionChoice::Own)?;
     let decision = std::fs::read_to_string(decision.context("they walk")?)?;
     let config = DecisionConfig::from_toml(&format!("model = \"rotational\"\n{more}{decision}"))?;
     if closes {
