@@ -84,11 +84,11 @@ def concert(out, pictures):
     # The front is 1 m deep. People press with 50 N, some with more, some with less.
     head = 'model = "rotational"\npush = 50.0\npush_sd = 25.0\ngoals = [{ name = "stage", polygon = [[9, 0.5], [10, 0.5], [10, 8.5], [9, 8.5]] }]'
     write(trial, head, decision["agents"])
-    summary, people, _ = measure(trial, 40, "--area", "front=8,0.5,10,8.5", "--walls")
-    walls = list(csv.DictReader((out / "concert_measures" / "walls.csv").open()))
-    stage = max(walls, key=lambda row: float(row["x1"]) + float(row["x2"]))
+    summary, people, _ = measure(trial, 40, "--area", "front=8,0.5,10,8.5", "--walls", "--panel-length", "9")
+    panels = list(csv.DictReader((out / "concert_measures" / "panels.csv").open()))
+    stage = max(panels, key=lambda row: float(row["x1"]) + float(row["x2"]))
     yield f"density before the stage  {summary['areas'][0]['density']['max']:.2f} per m² at most"
-    yield f"force on the stage's front {float(stage['largest_mean_1']) / 9:.0f} N per m (greatest mean over 1 s)"
+    yield f"force on the stage's front {float(stage['load_1']):.0f} N per m (greatest mean over 1 s)"
     yield from by_kind(trial, people)
     picture(trial, pictures and pictures / "scene_concert.png", *("--at", "0,5,15,40", "--columns", 2, "--fill", "kind"))
 

@@ -231,21 +231,29 @@ def test_a_run_of_python_is_measured(lemons, pack):
 
 
 def test_walls_get_what_they_give(lemons, pack, tmp_path):
-    whole = measure(TRIAL_DOOR, until=6, walls=True)
-    walls, people = whole.walls, whole.people
-    assert walls["impulse"].sum() == pytest.approx(people["impulse_by_walls"].sum(), rel=1e-12) and walls["impulse"].sum() > 100
+    # One panel for each straight piece.
+    whole = measure(TRIAL_DOOR, until=6, walls=True, panel_length=100)
+    walls, panels, people = whole.walls, whole.panels, whole.people
+    assert panels["impulse"].sum() == pytest.approx(people["impulse_by_walls"].sum(), rel=1e-12) and panels["impulse"].sum() > 100
+    assert walls["impulse"].sum() == pytest.approx(panels["impulse"].sum(), rel=1e-12)
     assert np.allclose(people["impulse_by_people"] + people["impulse_by_walls"], people["impulse"], rtol=1e-12)
-    assert (walls["largest_mean_1"] <= walls["largest_mean_step"]).all() and (walls["largest_mean_step"] <= walls["peak"]).all()
+    assert (panels["load_1"] <= panels["load_step"]).all() and (panels["load_step"] <= panels["load_peak"]).all()
     corners = [[corner.get("Coordinates") for corner in wall] for wall in ET.parse(TRIAL_DOOR / "static/Geometry.xml").iter("Wall")]
     ends = [f"{a},{b}".split(",") for wall in corners for a, b in zip(wall, wall[1:], strict=False)]
-    assert (walls[["x1", "y1", "x2", "y2"]].to_numpy() == np.array(ends, dtype=float)).all()
-    assert walls["segment"].tolist() == list(range(len(ends)))
+    assert (panels[["x1", "y1", "x2", "y2"]].to_numpy() == np.array(ends, dtype=float)).all()
+    assert panels["panel"].tolist() == list(range(len(ends)))
+    # Half a metre: the same forces, where they are; each second with the greatest mean lies within the run.
+    halves = measure(TRIAL_DOOR, until=6, walls=True).panels
+    assert len(halves) == np.ceil(panels["length"] / 0.5 - 1e-9).sum() and halves["length"].max() <= 0.5 + 1e-9
+    assert halves["impulse"].sum() == pytest.approx(panels["impulse"].sum(), rel=1e-12)
+    touched = halves[halves["impulse"] > 0]
+    assert len(touched) >= 4 and touched["load_1_at"].between(1, 6 + 1e-9).all()
     # From the outputs of FMUs of both versions, too: the bits are the same.
     pushed = {"until": 1, "walls": True, "set": "agent[4].Fp.x=800"}
-    of_trial = measure(TRIAL_PUSH, **pushed).walls
+    of_trial = measure(TRIAL_PUSH, **pushed, panel_length=100).panels
     assert of_trial["impulse"].max() > 1
     for fmi in "2", "3":
-        assert measure(pack(TRIAL_PUSH, options=["--fmi", fmi]), **pushed).walls.equals(of_trial)
+        assert measure(pack(TRIAL_PUSH, options=["--fmi", fmi]), **pushed).panels.equals(of_trial)
 
 
 def test_what_is_wrong_is_said(lemons, walk, tmp_path):

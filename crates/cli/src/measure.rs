@@ -79,7 +79,7 @@ pub struct Arguments {
     /// everybody has left, as by lemons run. Default: the end of earlier results; 5 for a Trial or FMU
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
     until: Option<Until>,
-    /// Write flow.csv, gaps.csv, density.csv, people.csv, walls.csv and summary.json into this directory
+    /// Write flow.csv, gaps.csv, density.csv, people.csv, walls.csv, panels.csv and summary.json into this directory
     #[arg(short, long, value_name = "DIRECTORY")]
     output: Option<PathBuf>,
     /// Write the summary as JSON; - is standard output

@@ -17,11 +17,12 @@ pub(crate) struct Colouring {
 }
 
 impl Colouring {
-    /// Chooses the colours of scenes, on one scale. In scenes with a density map the scale is that of the map, and bodies
-    /// have no values.
+    /// Chooses the colours of scenes, on one scale. In scenes with a map of density or of loads the scale is that of the
+    /// map, and bodies have no values.
     pub fn of_all(panels: &[(&PictureScene, &Style)]) -> Vec<Colouring> {
         let [(first, style), ..] = panels else { return Vec::new() };
         let values = |(scene, style): &(&PictureScene, &Style)| match (&scene.density, &style.fill) {
+            _ if scene.loads.is_some() => scene.loads.as_ref().map(|map| map.values.clone()),
             (Some(map), _) => Some(Values::of(map.values(), "density", "1/m²")),
             (None, Fill::Single(_) | Fill::Kind) => None,
             (None, Fill::BodyArea) => {
@@ -31,7 +32,7 @@ impl Colouring {
         };
         let shown: Vec<Option<Values>> = panels.iter().map(values).collect();
         let known: Vec<&Values> = shown.iter().flatten().collect();
-        let all = Scale::spanning(&known, style, first.density.is_some());
+        let all = Scale::spanning(&known, style, first.density.is_some() || first.loads.is_some());
         let colouring = |(shown, (scene, style)): (&Option<Values>, &(&PictureScene, &Style))| {
             let scale = all.clone().filter(|_| shown.is_some());
             let single = match (&style.fill, &scale) {
@@ -39,7 +40,8 @@ impl Colouring {
                 (_, Some(scale)) if scene.density.is_some() => scale.ramp.at(0.0),
                 _ => Colour::MISSING,
             };
-            let values = shown.iter().filter(|_| scene.density.is_none()).flat_map(|of| &of.values);
+            let of_bodies = scene.density.is_none() && scene.loads.is_none();
+            let values = shown.iter().filter(|_| of_bodies).flat_map(|of| &of.values);
             let kinds =
                 if style.fill == Fill::Kind { kinds(panels.iter().map(|panel| panel.0)) } else { Vec::new() };
             let palette = Palette::of(style.theme);

@@ -40,7 +40,7 @@ pub use density::{DENSITY_KERNEL, DensityMap};
 pub use lemons_core::plane::{Bounds, Pose};
 pub use pdf::pdf;
 pub use raster::{PictureError, Pixels, pixels, png};
-pub use scene::{DrawnForce, MarkKind, PictureScene, PlaceMark, Trail};
+pub use scene::{DrawnForce, LoadMap, MarkKind, PictureScene, PlaceMark, Trail};
 pub use sheet::{sheet, svg};
 pub use style::{Fill, Style, Values, titled};
 pub use world::ids_without_room;

@@ -2,6 +2,7 @@
 
 use crate::body::{DrawnBody, drawable, near};
 use crate::density::DensityMap;
+use crate::style::Values;
 use lemons_core::plane::{Bounds, Pose, Vec2, vec2};
 use lemons_core::trial::Trial;
 
@@ -70,9 +71,20 @@ pub struct PictureScene<'a> {
     pub trails: Vec<Trail>,
     /// People per area, drawn below everything else. Bodies are then outlines, and the colour bar shows the density.
     pub density: Option<DensityMap>,
+    /// Loads on walls, drawn on them. The colour bar shows them, and bodies have one colour.
+    pub loads: Option<LoadMap>,
     /// Exits, and other places of a plan.
     pub marks: Vec<PlaceMark>,
     pub(crate) bodies: Vec<DrawnBody>,
+}
+
+/// Loads on panels of walls.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadMap {
+    /// \[m\] Ends of each panel.
+    pub panels: Vec<[Vec2; 2]>,
+    /// Load on each.
+    pub values: Values,
 }
 
 impl<'a> PictureScene<'a> {
@@ -87,6 +99,7 @@ impl<'a> PictureScene<'a> {
             feet: Vec::new(),
             trails: Vec::new(),
             density: None,
+            loads: None,
             marks: Vec::new(),
             bodies,
         }

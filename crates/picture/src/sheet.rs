@@ -32,7 +32,7 @@ const KIND_STROKE: f64 = 5.0;
 
 /// Returns the scene as SVG.
 ///
-/// Groups, from the lowest: `density`, `walls`, `marks` (paths of class `exit`, `distribution` and `way-point`, with their names
+/// Groups, from the lowest: `density`, `walls`, `loads`, `marks` (paths of class `exit`, `distribution` and `way-point`, with their names
 /// as titles), `bodies` (one group for each agent, in their order, with the agent's Id
 /// as title), `feet`, `leans`, `trails` (paths of class `simulated` and `measured`; below the bodies if none is measured),
 /// `forces`, `ids`. Outside the scene, in pixels: `time`, `legend`, `scale-bar`, `colour-bar`.

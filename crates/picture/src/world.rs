@@ -14,6 +14,8 @@ use lemons_core::plane::{Pose, Vec2, rotation, vec2};
 
 /// \[px\] Width of walls.
 const WALL_STROKE: f64 = 2.4;
+/// \[px\] Width of a panel with a load.
+const PANEL_STROKE: f64 = 9.0;
 /// \[px\] Dashes of a wall that is open, and the gaps between their round ends.
 const OPEN_DASHES: [f64; 2] = [2.0, 8.0];
 /// \[px\] Largest width of the outline of a body.
@@ -114,6 +116,7 @@ pub(crate) fn world(
     }
     let mut world = World { out: &mut *out, palette, scene, style, frame, colouring: &colouring, px };
     world.walls();
+    world.loads();
     world.marks();
     if !compared {
         world.aging_trails();
@@ -195,6 +198,21 @@ impl<'a> World<'a> {
                 }
             });
         }
+    }
+
+    /// Draws the panels of a map of loads, each with a title.
+    fn loads(&mut self) {
+        let (Some(map), Some(scale)) = (&self.scene.loads, &self.colouring.scale) else { return };
+        let width = text_of(PANEL_STROKE * self.px, 6);
+        self.group(&format!("class=\"loads\" fill=\"none\" stroke-width=\"{width}\" stroke-linecap=\"butt\""), |world| {
+            // What nobody touches stays a wall.
+            let pressed = map.panels.iter().zip(&map.values.values).filter(|(_, value)| **value > 0.0);
+            for (ends, value) in pressed.filter(|(ends, _)| ends.iter().all(|end| near(*end))) {
+                *world.out += &format!("<path stroke=\"{}\" d=\"", scale.of(*value));
+                polyline(world.out, ends);
+                *world.out += &format!("\"><title>{value:.3}</title></path>\n");
+            }
+        });
     }
 
     fn marks(&mut self) {

@@ -12,12 +12,13 @@ use crate::run::until;
 use crate::values::{seconds, within as number_within};
 use anyhow::{Context, Result, bail};
 use lemons_core::plane::Vec2;
+use lemons_core::trial::PANEL_LENGTH;
 use lemons_picture::{
-    Chart, ChartPanel, ChartStyle, Curve, DENSITY_KERNEL, DensityMap, PictureScene, Style, chart_svg, pdf,
-    png, sheet, svg, titled,
+    Chart, ChartPanel, ChartStyle, ColourMap, Curve, DENSITY_KERNEL, DensityMap, LoadMap, PictureScene, Style,
+    Values, chart_svg, pdf, png, sheet, svg, titled,
 };
 use lemons_results::Frame;
-use lemons_results::measure::within;
+use lemons_results::measure::{LoadsOverTime, WallLoad, within};
 use lemons_sim::Until;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -47,14 +48,18 @@ pub struct Arguments {
     /// not spread through walls
     #[arg(long)]
     density: bool,
+    /// Draw the loads on the panels of walls: the greatest means over 1 s in kN/m, as lemons measure --walls
+    /// gives them; of a Trial or an FMU, which is simulated first
+    #[arg(long, conflicts_with_all = ["at", "series", "density"])]
+    walls: bool,
     // Narrower ones need more cells than a picture has pixels.
     /// Standard deviation of the Gaussian of each person in the density map, in metres
     #[arg(long, value_name = "METRES", requires = "density", default_value_t = DENSITY_KERNEL, value_parser = number_within(0.02, 100.0, " (m)"))]
     kernel: f64,
-    /// Start of time series and density map, in seconds
+    /// Start of time series and of maps of density and loads, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     from: Option<f64>,
-    /// End of time series and density map, in seconds. With the word left, a Trial in which people walk is
+    /// End of time series and of maps, in seconds. With the word left, a Trial in which people walk is
     /// run until everybody has left, as by lemons run. Default: the end of earlier results; 5 for a
     /// Trial or FMU
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
@@ -105,6 +110,8 @@ impl Arguments {
             series(self, interrupt)?
         } else if self.density {
             density(self, interrupt)?
+        } else if self.walls {
+            loads(self, interrupt)?
         } else {
             scenes(self, interrupt)?
         };
@@ -193,6 +200,29 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     (scene.density, scene.feet) = (Some(map), Vec::new());
     let time = one.then_some(last);
     Ok(svg(&scene, &Style { time, range: style.range, ..style_then }))
+}
+
+/// Draws the greatest mean loads over 1 s, and the people at the end.
+fn loads(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
+    let Arguments { source, style, .. } = arguments;
+    let source = RunSource { panel_length: Some(PANEL_LENGTH), ..source.clone() };
+    let run = source.trial_run(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
+    let (from, until) = arguments.times();
+    let mut loads = LoadsOverTime::of(&run.trial.geometry);
+    let frames = run.run.frames.iter().filter(|frame| within(frame.time, from, until));
+    let times: Vec<f64> = frames.map(|frame| { loads.add(frame); frame.time }).collect();
+    let Some(&last) = times.last() else { bail!(nothing_between(&run.run, from, until)) };
+    let Some(seen) = loads.finish() else {
+        bail!("--walls: {}: the results do not contain the forces on walls", run.run.source.display());
+    };
+    let mut scenes = Scenes::new(style, &run, &[last], interrupt)?;
+    let (mut scene, style_then) = scenes.at(last);
+    let value = |load: &WallLoad| load.load_1.map_or(f64::NAN, |load| load / 1e3);
+    let values = seen.panels.iter().map(|(_, load)| value(load)).collect();
+    let values = Values { map: ColourMap::FromPaper, ..Values::of(values, "greatest mean load over 1 s", "kN/m") };
+    let panels = seen.panels.iter().map(|(panel, _)| panel.ends()).collect();
+    scene.loads = Some(LoadMap { panels, values });
+    Ok(svg(&scene, &Style { time: Some(last), range: style.range, ..style_then }))
 }
 
 /// Draws one panel for each quantity, one line for each agent; measured positions beside simulated ones.
