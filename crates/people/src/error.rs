@@ -1,7 +1,9 @@
 //! Errors of this crate.
 
 use lemons_core::files::WriteError;
+use lemons_core::message::{Message, message};
 pub(crate) use lemons_core::require;
+use lemons_core::rule::parts::OF;
 use std::fmt::Display;
 use thiserror::Error;
 
@@ -34,7 +36,7 @@ pub enum PeopleError {
     Write(#[from] WriteError),
     /// Anything else: what is wrong, with its name and value.
     #[error("{0}")]
-    Impossible(String),
+    Impossible(Message),
 }
 
 /// A result of this crate.
@@ -42,18 +44,37 @@ pub(crate) type Result<T, E = PeopleError> = std::result::Result<T, E>;
 
 impl PeopleError {
     /// Makes an error of a message.
-    pub(crate) fn new(message: impl Into<String>) -> PeopleError {
+    pub(crate) fn new(message: impl Into<Message>) -> PeopleError {
         PeopleError::Impossible(message.into())
     }
 
     /// Puts before the message what it is about.
     pub(crate) fn of(self, what: impl Display) -> PeopleError {
-        PeopleError::Impossible(format!("{what}: {self}"))
+        PeopleError::Impossible(message!(OF, of = what.to_string(), finding = self.told()))
+    }
+
+    /// Returns its text as a message.
+    pub fn told(&self) -> Message {
+        if let PeopleError::Impossible(message) = self { message.clone() } else { self.to_string().into() }
+    }
+}
+
+impl From<Message> for PeopleError {
+    fn from(message: Message) -> PeopleError {
+        PeopleError::Impossible(message)
     }
 }
 
 impl From<String> for PeopleError {
     fn from(message: String) -> PeopleError {
-        PeopleError::Impossible(message)
+        PeopleError::new(message)
     }
+}
+
+lemons_core::sentences! {
+    COVER_MORE "shapes.cover" "{shapes} shapes cover {covered:.3} m², but the region has {room:.3} m²: it cannot hold them without overlap";
+    FEW_PLACES "shapes.grid" "the grid of {along:.3} m × {across:.3} m has {places} places in the region; {shapes} shapes are given";
+    NO_WALLS "region.no-walls" "no walls: nothing bounds the region";
+    SMALL_AREA "region.area" "{name}: its area is {area} m²; at least {least} m² is needed";
+    NO_SHARES "mix.shares" "the shares must sum up to more than 0";
 }

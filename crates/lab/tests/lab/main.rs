@@ -8,6 +8,7 @@ mod runs;
 mod same_bits;
 #[cfg(feature = "typescript")]
 mod types;
+mod words;
 
 use lemons_lab::boundary::answer;
 use lemons_lab::frame::COLUMNS;
