@@ -64,7 +64,7 @@ export type Four = { breadth: [number, number, number, number], depth: [number, 
 export type Further = { corners: Array<[number, number]>, of: string | null, };
 
 /** A gap in a wall of a drawing. */
-export type GapFound = { kind: string, door: Door, outside: boolean, said: string, };
+export type GapFound = { kind: string, door: Door, outside: boolean, said: Message, };
 
 /** The cells of a map [m]. */
 export type Grid = { low: [number, number], cell: [number, number], columns: number, rows: number, };
@@ -197,7 +197,7 @@ export type Surface = { vertices: number, triangles: number, };
 export type Target = { name: string, stay: boolean, corners: Array<[number, number]>, open?: Array<[number, number]>, time_factor?: number, };
 
 /** Content of a drawing. */
-export type Understood = { room: Room | null, exits: Array<ExitFound>, distributions: Array<Array<[number, number]>>, waypoints: number, area: number | null, said: Array<[string, string]>, layers: Array<string>, doubt: string | null, proposal: Proposed | null, };
+export type Understood = { room: Room | null, exits: Array<ExitFound>, distributions: Array<Array<[number, number]>>, waypoints: number, area: number | null, said: Array<[string, string]>, layers: Array<string>, doubt: Message | null, proposal: Proposed | null, };
 
 /** Name of a model of how people walk among others. */
 export type WalkingModelName = "rotational" | "collision-free-speed" | "social-force" | "straight";

@@ -71,6 +71,7 @@ lemons_core::sentences! {
     NO_SUCH_ID "edits.id" "there is nobody with the Id {id:?}";
     OVERLAPS "edits.overlaps" "person {id:?} would overlap somebody by {depth:.1} mm";
     OVERLAPS_WALL "edits.overlaps-wall" "person {id:?} would overlap a wall or somebody by {depth:.1} mm";
+    NONE_CLOSED "room.open" "none of its {count} walls is closed, so nothing is inside";
     TOO_MANY_CORNERS "room.corners" "{count} corners: at most {most} are allowed";
     NOT_TAKEN "upload.not-taken" "not used here, and not taken along: {files}";
     NO_PARAMETERS "upload.parameters" "it has no Parameters.xml: the communication step is {step} s, the mechanical step {mechanical} s";

@@ -1,7 +1,9 @@
 //! Rooms: an outline, obstacles, further walls, doors. While they are drawn, when they are made, in place of a Trial's
 //! walls, and from a file.
 
-use crate::reply::{TOO_MANY_CORNERS, told};
+#[cfg(feature = "typescript")]
+use crate::reply::MessageShown;
+use crate::reply::{NONE_CLOSED, TOO_MANY_CORNERS, told};
 use crate::{Refused, Reply, require, within};
 use crowd_mechanics::setup::Setup;
 use lemons_core::files::source::Memory;
@@ -173,7 +175,8 @@ pub(crate) struct Understood {
     /// Those of which some can be chosen as walls.
     layers: Vec<String>,
     /// Why its outline may not be the room.
-    doubt: Option<String>,
+    #[cfg_attr(feature = "typescript", ts(as = "Option<MessageShown>"))]
+    doubt: Option<Message>,
     proposal: Option<Proposed>,
 }
 
@@ -216,7 +219,8 @@ pub(crate) struct GapFound {
     kind: &'static str,
     door: Door,
     outside: bool,
-    said: String,
+    #[cfg_attr(feature = "typescript", ts(as = "MessageShown"))]
+    said: Message,
 }
 
 /// A drawing, or a Geometry.xml, and how it is understood.
@@ -286,7 +290,7 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
         if proposal.as_ref().is_none_or(|found| found.ground.is_empty()) {
             return Err(none());
         }
-        doubt = Some(format!("none of its {} walls is closed, so nothing is inside", plan.walls.len()));
+        doubt = Some(message!(NONE_CLOSED, count = plan.walls.len()));
     }
     let lines = room.as_ref().map_or_else(|| Ok(Vec::new()), Room::lines)?;
     let doors: BTreeMap<usize, Door> = plan.doors().into_iter().collect();

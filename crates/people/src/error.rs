@@ -77,4 +77,21 @@ lemons_core::sentences! {
     NO_WALLS "region.no-walls" "no walls: nothing bounds the region";
     SMALL_AREA "region.area" "{name}: its area is {area} m²; at least {least} m² is needed";
     NO_SHARES "mix.shares" "the shares must sum up to more than 0";
+    NONE_CLOSED "drawing.open" "no wall is closed, so nothing is inside";
+    BY_SWING "drawing.swing" "wall {wall} is closed by the swing of a door only, {width} m wide at {at}: its arc and leaf are taken as a wall";
+    BAND "drawing.band" "the outline, wall {outline}, is a band of {width:.0} cm: walls are probably drawn as two lines";
+    TWO_LINES "drawing.two-lines" "wall {wall} lies {width:.0} cm inside the outline, wall {outline}: walls are probably drawn as two lines";
+    LITTLE_AROUND "drawing.little" "the outline, wall {outline}, lies around {own:.1} m², all walls together around {all:.1} m²: probably a gap in the walls around the room is open";
+    ON_NOTES "drawing.notes" "the outline, wall {outline}, is on layer {layer:?}, which has a frame or notes by its name: --walls takes other layers, or this one";
+    IS_FRAME "drawing.frame" "is the rectangle of {width} m x {height} m a frame of the sheet, or a fence? No other wall meets it, and the walls of a room stand in it: --walls without its layer leaves it out";
+    GAP "gap.at" "{width} m wide at {at}, from {from} to {to}; {what}{leaves}";
+    GAP_CROSSED "gap.crossed" "lines run across it: shut";
+    GAP_THROUGH "gap.through" "to the outside, drawn on a wall that runs through";
+    GAP_OUT "gap.out" "to the outside";
+    GAP_NARROW "gap.narrow" "too narrow for a door: shut";
+    GAP_WIDE "gap.wide" "too wide for a door: shut";
+    GAP_INSIDE "gap.inside" "between rooms: open";
+    GAP_ELSEWHERE "gap.elsewhere" "to a room that is left out: shut";
+    LEAF "gap.leaf" ", 1 leaf";
+    LEAVES "gap.leaves" ", {count} leaves";
 }
