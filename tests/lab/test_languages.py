@@ -34,8 +34,8 @@ def catalog(name: str) -> dict[str, str]:
 
 
 def words(text: str) -> set[str]:
-    """Without places, names in quotes, file names and commands."""
-    return set(re.findall(r"[^\W\d_]{2,}", re.sub(r"\{\w+\}|\"[^\"]*\"|[\w/-]+\.\w+|lemons \w+", " ", text).lower()))
+    """Without places, names in quotes, file names, elements and commands."""
+    return set(re.findall(r"[^\W\d_]{2,}", re.sub(r"<\w+>|\{\w+\}|\"[^\"]*\"|[\w/-]+\.\w+|lemons \w+", " ", text).lower()))
 
 
 def visit(browser: Browser, url: str, locale: str, width: int = 1280) -> Page:

@@ -138,7 +138,7 @@ fn strings(sentences: &[Sentence]) -> Value {
         let parts = sentence.parts().enumerate();
         parts
             .map(|(k, (before, place))| place.map_or(before.into(), |_| format!("{before}{{{k}}}")))
-            .collect()
+            .collect::<String>()
     };
     let all = sentences.iter().map(|sentence| (sentence.id.into(), json!({ "text": text(sentence) })));
     Value::Object(all.collect())
