@@ -1,5 +1,5 @@
-//! Sentences with values. A sentence stands once, in a table, with an id. All programs say it in English; the page of the lab
-//! says it in other languages, by its id and with the same values.
+//! Sentences with values. A sentence stands once, in a table, with an id. All programs say it in English; the page of the
+//! lab says it in other languages, by its id and with the same values.
 
 pub use crate::{message, sentences};
 
@@ -90,7 +90,8 @@ impl Message {
     }
 }
 
-/// Makes the message of a sentence: `message!(WALL, wall = &wall.id, x)`. It is built only if the places have these names.
+/// Makes the message of a sentence: `message!(WALL, wall = &wall.id, x)`. The compiler refuses other names than those of its
+/// places.
 #[macro_export]
 macro_rules! message {
     ($sentence:expr $(, $name:ident $(= $value:expr)?)* $(,)?) => {{

@@ -32,8 +32,8 @@ impl Reply {
     }
 }
 
-/// Why there is no answer, for the person before the page. Any error or text becomes one. What others say of a file (readers
-/// of XML, TOML, zips and drawings; serde of a request) has no id and stays English: files may be wrong in any way.
+/// Why there is no answer, for the person before the page. Any error or text becomes one. What readers of XML, TOML, zips
+/// and drawings say of a file, and serde of a request, has no id and stays English: they may be wrong in any way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refused(pub Message);
 
