@@ -207,7 +207,7 @@ impl CrowdModel {
             && let Some(world) = &self.world
         {
             let told = Setup::of(&self.trial).name_coincident(world.scene(), &world.contacts().coincident);
-            self.warnings.extend(told);
+            self.warnings.extend(told.map(|told| told.text));
         }
         self.said_coincident = first;
     }
@@ -223,7 +223,8 @@ impl CrowdModel {
         let mut then = world.clone();
         // If they are too many at one place, the step says so.
         if then.restore(world.state().clone()).is_ok() {
-            self.warnings.extend(Setup::of(&self.trial).overlaps_of(&then, &back, time));
+            let overlaps = Setup::of(&self.trial).overlaps_of(&then, &back, time);
+            self.warnings.extend(overlaps.into_iter().map(|overlap| overlap.text));
         }
     }
 

@@ -8,7 +8,7 @@ mod within;
 mod world;
 
 pub use steps::{FINEST_ACCURACY, Steps};
-pub use usual::doubts_of_drive;
+pub use usual::{doubts_of_drive, reasons};
 pub use world::{WorldError, dynamics_of, interactions_of};
 
 use lemons_core::files::source::{FileSource, LocalFiles};

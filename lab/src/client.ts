@@ -1,7 +1,7 @@
 // Asks the worker. What is stopped, and what breaks it, is told to those who wait.
 
 import { signal } from "@preact/signals";
-import { engineText, t } from "./language";
+import { inWords, t } from "./language";
 import type { Asked, Progress, Request, Told } from "./protocol";
 
 export interface Answer<T> {
@@ -84,7 +84,7 @@ export class Client {
         if (next) next.since = now;
         // After a long one, another of its kind may follow: the button to stop it should not flicker.
         setTimeout(() => this.#look(), this.#long ? 100 : 0);
-        if ("refused" in told) waiting.failed(new Refused(engineText(told.refused)));
+        if ("refused" in told) waiting.failed(new Refused(inWords(told.refused)));
         else waiting.done(told as Answer<never> & { id: number });
     }
 

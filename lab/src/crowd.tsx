@@ -2,7 +2,7 @@
 
 import { ready } from "./drawn";
 import { Hand } from "./hand";
-import { engineText, t } from "./language";
+import { nameOf, t } from "./language";
 import { Button, Check, Choice, digits, Head, NumberField } from "./parts";
 import { frictionOf, type KeptCrowd } from "./forms";
 import { isPlaced, place } from "./live";
@@ -130,7 +130,7 @@ function Kind({ kind, count, measures }: PlacedCrowd["statistics"][number]) {
                 return (
                     <tr key={measure}>
                         <th scope="row">
-                            {engineText(measure)} <span class="unit">[{inCm ? "cm" : unit}]</span>
+                            {nameOf(measure)} <span class="unit">[{inCm ? "cm" : unit}]</span>
                         </th>
                         {[row.mean, row.sd, row.min, row.max].map((value, k) => (
                             <td key={k}>{cell(value)}</td>

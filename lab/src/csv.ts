@@ -37,7 +37,7 @@ export function saveTable(called: string, content: BlobPart, settings: Record<st
 /** What a table of a run comes from: the scene as it is, and the time in s. */
 export function origin(film: Film, from: number, to: number): Record<string, unknown> {
     const { agents, step, mechanical_step, warnings } = film.scene;
-    return { scene: scene.peek().name, from_s: from, to_s: to, people: agents.length, communication_step_s: step, mechanical_step_s: mechanical_step, warnings, made: film.made };
+    return { scene: scene.peek().name, from_s: from, to_s: to, people: agents.length, communication_step_s: step, mechanical_step_s: mechanical_step, warnings: warnings.map(({ text }) => text), made: film.made };
 }
 
 /** A table of the run up to the last frame that was shown or asked for; its name says of which scene and time it is. */

@@ -1,7 +1,7 @@
 // How often the values of a measure are in the survey.
 
 import { round } from "./colour";
-import { capital, engineText, t } from "./language";
+import { capital, nameOf, t } from "./language";
 import type { MeasureShown, Sex } from "./protocol";
 
 const [WIDTH, HEIGHT, FOOT] = [320, 70, 18];
@@ -45,7 +45,7 @@ interface DistributionProps {
 
 export function Distribution({ measure, by, unit, sex }: DistributionProps) {
     const { quantiles, value, rank } = measure;
-    const name = engineText(measure.name);
+    const name = nameOf(measure.name);
     const bars = barsOf(quantiles, by);
     const [low, high] = [bars[0]!.from, bars.at(-1)!.to];
     const step = bars[0]!.to - low;

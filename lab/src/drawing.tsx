@@ -5,7 +5,7 @@ import { useState } from "preact/hooks";
 import { Refused } from "./client";
 import { isVector, setPicture } from "./backdrop";
 import { crowdFits, MOST, roomFits } from "./forms";
-import { t } from "./language";
+import { inWords, nameOf, t } from "./language";
 import { Button, Check, Choice, NumberField } from "./parts";
 import { FIRST_DECISION, shaped } from "./places";
 import { arrived, change, plan } from "./plan";
@@ -208,14 +208,14 @@ function Proposals({ wanted, found, proposal, again }: ProposalsProps) {
         <fieldset class="fields">
             <legend>{t("Proposals")}</legend>
             {found.doubt && (
-                <p role="alert">{found.doubt}</p>
+                <p role="alert">{inWords(found.doubt)}</p>
             )}
             {!taken && outline && <Sketch base={{ kind: "crowd", ...plan.value.crowd, room: { outline, obstacles, doors }, region: null }} />}
             {!taken && <p class="note">{t("The plan is in doubt: choose what its layers and gaps are.")}</p>}
             {proposal.layers.map(({ name, sort, lines }) => (
                 <label class="field" key={name}>
-                    <span title={`${sort}: ${lines}`}>
-                        {name || "—"} ({sort})
+                    <span title={`${nameOf(sort)}: ${lines}`}>
+                        {name || "—"} ({nameOf(sort)})
                     </span>
                     <select value={uses.get(name)} aria-label={t('Layer "{name}"', { name })} onChange={(event) => setUses(new Map(uses).set(name, event.currentTarget.value as Use))}>
                         {USES.map(([key, words]) => (
@@ -239,12 +239,12 @@ function Proposals({ wanted, found, proposal, again }: ProposalsProps) {
                             }}
                         />
                         <span>
-                            {kind}: {said}
+                            {nameOf(kind)}: {inWords(said)}
                         </span>
                     </label>
                 ) : (
                     <p class="note" key={String(door.at)}>
-                        {kind}: {said}
+                        {nameOf(kind)}: {inWords(said)}
                     </p>
                 ),
             )}

@@ -3,7 +3,7 @@
 // which is written with the frame that is shown.
 
 import { signal } from "@preact/signals";
-import { engineText, t } from "./language";
+import { inWords, t } from "./language";
 import type { Drawn, Limit, LimitRequest, Outline, Point, Room, RoomEdit } from "./protocol";
 import { problem } from "./session";
 import { answer, type Lab, load } from "./wasm";
@@ -23,14 +23,14 @@ export function ready() {
 function ask(room: Room, edit: RoomEdit | null, near: Point | null): Drawn {
     if (!lab.value) throw new Error(t("the lab is not loaded yet"));
     const { value } = answer(lab.value, { ask: "room", room, edit, near });
-    if ("refused" in value) throw new Error(engineText(value.refused));
+    if ("refused" in value) throw new Error(inWords(value.refused));
     return value.ok;
 }
 
 /** Adds squeezes to what is known of a limit. */
 export function limit(wanted: LimitRequest, squeezes: Uint8Array<ArrayBuffer>): Limit {
     const { value } = answer(lab.value!, { ask: "limit", ...wanted }, squeezes);
-    if ("refused" in value) throw new Error(engineText(value.refused));
+    if ("refused" in value) throw new Error(inWords(value.refused));
     return value.ok;
 }
 

@@ -64,7 +64,7 @@ export type Four = { breadth: [number, number, number, number], depth: [number, 
 export type Further = { corners: Array<[number, number]>, of: string | null, };
 
 /** A gap in a wall of a drawing. */
-export type GapFound = { kind: string, door: Door, outside: boolean, said: string, };
+export type GapFound = { kind: string, door: Door, outside: boolean, said: Message, };
 
 /** The cells of a map [m]. */
 export type Grid = { low: [number, number], cell: [number, number], columns: number, rows: number, };
@@ -96,6 +96,9 @@ export type Mechanics = { time_step: number | null, time_step_mechanical: number
 /** A format of surfaces. */
 export type MeshFormat = "obj" | "stl";
 
+/** A message as the page gets it. */
+export type Message = { id: string, values: { [key in string]: Message }, text: string, };
+
 /** An algorithm that places shapes. */
 export type Method = "dense" | "paper" | "grid";
 
@@ -109,7 +112,7 @@ export type NamedFile = { name: string, };
 export type Near = { ring: number, side: number, at: [number, number], away: number, };
 
 /** The answer to [`Request::Show`]. */
-export type Opened = { scene: Scene, notes: Array<string>, made: PlacedCrowd | null, left_out: Array<[number, string]>, };
+export type Opened = { scene: Scene, notes: Array<Message>, made: PlacedCrowd | null, left_out: Array<[number, Message]>, };
 
 /** Orientation of people. */
 export type OrientationName = "free" | "fixed" | "towards";
@@ -173,7 +176,7 @@ export type Rotational = { time_gap: number, standstill_gap: number, reaction_ti
 export type Scenario = { box: Pair | null, geometry: string | null, drawing: DrawingForm, room: Room | null, doors: Array<Array<number>>, regions: Array<RegionForm>, number: number | null, density: number | null, seed: number | null, people: People, men: number | null, pedestrians: number | null, mix: Record<string, number | "rest">, packing: Method, orientation: OrientationName | null, direction: number | null, allow_overlap: boolean, material: string | null, friction: number | null, round: boolean, time_step: number | null, speed: number | null, leave: boolean, pushes: Array<Push>, decision: DecisionConfig, };
 
 /** A scene. */
-export type Scene = { run: number, name: string, agents: Array<AgentShown>, kinds: { [key in string]: Array<string> }, walls: Array<WallShown>, step: number, mechanical_step: number, stable: number | null, longest: number | null, advised: number | null, error: number | null, warnings: Array<string>, materials: Array<Material2d>, contacts: Array<Contact<number>>, overlapping: Array<number>, overlap: number, pushed: Array<string>, walk: boolean, ways: Array<Array<Waypoint>>, targets: Array<Target>, leaving: number, beyond_doors: Array<[[number, number], [number, number]]>, people: Array<PersonDrawn | null> | null, };
+export type Scene = { run: number, name: string, agents: Array<AgentShown>, kinds: { [key in string]: Array<string> }, walls: Array<WallShown>, step: number, mechanical_step: number, stable: number | null, longest: number | null, advised: number | null, error: number | null, warnings: Array<Message>, materials: Array<Material2d>, contacts: Array<Contact<number>>, overlapping: Array<number>, overlap: number, pushed: Array<string>, walk: boolean, ways: Array<Array<Waypoint>>, targets: Array<Target>, leaving: number, beyond_doors: Array<[[number, number], [number, number]]>, people: Array<PersonDrawn | null> | null, };
 
 /** Everybody's section with a plane. */
 export type Sections = { altitude: number, bodies: Array<Array<Array<[number, number]>>>, cut: number, area: number, estimated: boolean, without: number, };
@@ -194,7 +197,7 @@ export type Surface = { vertices: number, triangles: number, };
 export type Target = { name: string, stay: boolean, corners: Array<[number, number]>, open?: Array<[number, number]>, time_factor?: number, };
 
 /** Content of a drawing. */
-export type Understood = { room: Room | null, exits: Array<ExitFound>, distributions: Array<Array<[number, number]>>, waypoints: number, area: number | null, said: Array<[string, string]>, layers: Array<string>, doubt: string | null, proposal: Proposed | null, };
+export type Understood = { room: Room | null, exits: Array<ExitFound>, distributions: Array<Array<[number, number]>>, waypoints: number, area: number | null, said: Array<[string, string]>, layers: Array<string>, doubt: Message | null, proposal: Proposed | null, };
 
 /** Name of a model of how people walk among others. */
 export type WalkingModelName = "rotational" | "collision-free-speed" | "social-force" | "straight";

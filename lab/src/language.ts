@@ -2,6 +2,7 @@
 // catalogs of other languages (words/de.json, words/fr.json), as with gettext. `tsc` refuses an id without an entry.
 
 import type { ComponentChildren } from "preact";
+import type { Message } from "./generated";
 import { storage } from "./storage";
 import type german from "./words/de.json";
 
@@ -74,36 +75,12 @@ export function choose(next: Language) {
     location.reload();
 }
 
-/** The entry for a text of the engine, with or without its full stop; a text without words is its own. */
-function whole(key: string): string | undefined {
-    const { default: entries } = engine!;
-    const sentence = key.endsWith(".") ? entries[key.slice(0, -1)] : undefined;
-    return entries[key] ?? (sentence && `${sentence}.`) ?? (/[a-z]{2}/i.test(key) ? undefined : key);
+/** What the engine says, in the language of the page: by the id of its sentence (words/engine.de.json, …), with its values. A
+ * text without an id, as of a reader of files, stays English. */
+export function inWords({ id, values, text }: Message): string {
+    const own = engine?.default[id];
+    return own?.replace(/\{(\w+)\}/g, (_, place: string) => inWords(values[place]!)) ?? text;
 }
 
-/** The entry for a text, or those of its parts: the first part is as short as it can be and have one. */
-function entry(key: string): string | undefined {
-    const found = whole(key);
-    if (found !== undefined) return found;
-    for (const { 0: between, index } of key.matchAll(/, |: |; |\. /g)) {
-        const first = whole(key.slice(0, index));
-        const rest = first === undefined ? undefined : entry(key.slice(index + between.length));
-        if (rest !== undefined) return first + between + rest;
-    }
-    return undefined;
-}
-
-/** What the engine says, in the language of the page. It refuses and warns in English sentences, which the command and Python
- * print as well, with values and places in them: so they are looked up (words/engine.de.json, …) part by part, with # for
- * numbers and quoted names. What has no entry, as messages about files, stays English. */
-export function engineText(text: string): string {
-    if (!engine) return text;
-    const given: string[] = [];
-    const key = text.trim().replace(/"[^"]*"|(?:(?<![\w.])-)?\d+(\.\d+)?/g, (one) => {
-        given.push(one);
-        return "#";
-    });
-    return entry(key)?.replace(/#/g, () => given.shift() ?? "#") ?? text;
-}
-// Tests translate with it what the engine says.
-Object.assign(window, { engineText });
+/** A name of a table of the engine: a measure, a thing that goes along. */
+export const nameOf = (name: string) => engine?.default[`name.${name}`] ?? name;

@@ -2,7 +2,7 @@
 
 import { canChange, MOST } from "./forms";
 import type { Film } from "./film";
-import { t } from "./language";
+import { inWords, t } from "./language";
 import { Button, digits, Meanings, NumberField } from "./parts";
 import { plan } from "./plan";
 import type { Contact, Material2d, Mechanics, Scene } from "./protocol";
@@ -86,7 +86,7 @@ export function MechanicsForm({ film: { scene } }: { film: Film }) {
             {warnings.length > 0 && (
                 <ul class="notes warning">
                     {warnings.map((warning) => (
-                        <li key={warning}>{warning}</li>
+                        <li key={warning.text}>{inWords(warning)}</li>
                     ))}
                 </ul>
             )}

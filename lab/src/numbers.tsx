@@ -7,7 +7,7 @@ import { averaged, meanWords } from "./colour";
 import { moreThan } from "./distribution";
 import type { Film } from "./film";
 import { BY_WALLS } from "./frames";
-import { capital, count, engineText, t } from "./language";
+import { capital, count, nameOf, t } from "./language";
 import { calmly } from "./layout";
 import { Limit } from "./limit";
 import { MeasureFields } from "./line";
@@ -119,9 +119,9 @@ function ofKind({ scene }: Film, a: number): Rows {
     const { kind, things, speed, mass } = scene.agents[a]!;
     const rows: Rows = [];
     if (kind !== null) rows.push([t("Kind"), <KindName kind={kind} />]);
-    const of = [...new Set(things?.flatMap((thing) => thing ?? []))].join(", ");
+    const of = [...new Set(things?.flatMap((thing) => thing ?? []))].map(nameOf).join(", ");
     const known = kind !== null && Object.hasOwn(scene.kinds, kind) ? scene.kinds[kind] : undefined;
-    const parts = known?.map((part) => engineText(of && part !== "child" ? `${part} (${of})` : part)).join(", ") || of;
+    const parts = known?.map((part) => nameOf(part) + (of && part !== "child" ? ` (${of})` : "")).join(", ") || of;
     if (parts) rows.push([t("With"), <>{parts}</>]);
     const person = scene.people?.[a];
     if (person && mass - person.mass > 0.05) rows.push([t("Mass of the person"), `${digits(person.mass, 3)} kg`]);
@@ -148,7 +148,7 @@ function InSurvey({ film, agent }: { film: Film; agent: number }) {
     const found = ranks.value?.of === of ? ranks.value.measures : [];
     return (
         <>
-            <Facts rows={found.map(({ name, rank }) => [capital(engineText(name)), moreThan(`${(100 * rank).toFixed(0)} %`, asked.sex), t("Of those in the survey ANSUR II")])} />
+            <Facts rows={found.map(({ name, rank }) => [capital(nameOf(name)), moreThan(`${(100 * rank).toFixed(0)} %`, asked.sex), t("Of those in the survey ANSUR II")])} />
             <Button words={t("Show in the tab Person")} onClick={() => change({ person: asked, tab: "person" })} />
         </>
     );

@@ -4,7 +4,7 @@ import { computed, signal, useSignalEffect } from "@preact/signals";
 import "./person.css";
 import { Distribution } from "./distribution";
 import { add } from "./handtool";
-import { capital, engineText, t } from "./language";
+import { capital, nameOf, t } from "./language";
 import { Latest } from "./latest";
 import { Drawing, extents, Gaze, pathOf } from "./outline";
 import { Button, Check, Choice, digits, Facts, in3d, length, NumberField, Range } from "./parts";
@@ -120,7 +120,7 @@ function MeasureFields({ is, asked }: { is: PersonShown; asked: PersonRequest })
                 return (
                     <NumberField
                         key={`${is.sex} ${measure.name}`}
-                        label={capital(engineText(measure.name))}
+                        label={capital(nameOf(measure.name))}
                         unit={unit}
                         // Also what the lab refuses stays there.
                         value={clean(asked[KEYS[k]!] ?? measure.value)}
@@ -236,7 +236,7 @@ function BicycleDrawing({ is }: { is: BicycleShown }) {
             <Facts
                 rows={is.measures.map(({ name, unit: own, value }) => {
                     const words = own === "m" ? length(value, unit) : `${digits(value, 3)} ${own}`;
-                    return [capital(engineText(name)), words];
+                    return [capital(nameOf(name)), words];
                 })}
             />
         </section>

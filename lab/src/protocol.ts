@@ -1,6 +1,6 @@
 // What the page and the worker tell each other. Lengths in m, masses in kg, angles in rad, times in s.
 
-import type { PersonRequest, Request } from "./generated";
+import type { Message, PersonRequest, Request } from "./generated";
 
 export type { DecisionConfig, Place } from "./forms";
 export type * from "./generated";
@@ -53,6 +53,6 @@ export interface Asked {
 /** From the worker. */
 export type Told =
     | { id: number; value: unknown; bytes: ArrayBuffer; seconds: number }
-    | { id: number; refused: string }
+    | { id: number; refused: Message }
     | { id: number; progress: Progress }
     | { broken: string };

@@ -8,7 +8,7 @@ import { middleOf } from "./drawplaces";
 import type { Film } from "./film";
 import { frictionOf } from "./forms";
 import { difference, differing, facts, kept, openWords } from "./kept";
-import { count, t } from "./language";
+import { count, inWords, t } from "./language";
 import { canvas } from "./layout";
 import { Squeeze } from "./legend";
 import { aboveLimit, framesOf } from "./limit";
@@ -128,7 +128,7 @@ function drawnFrom(): [string, ComponentChildren][] {
 function ofRun(film: Film): [string, ComponentChildren][] {
     const { agents, step, mechanical_step, warnings } = film.scene;
     const rows: [string, ComponentChildren][] = [[t("People"), String(agents.length)], ...drawnFrom(), ...assumptions(film.made), ...exits(film), [t("Steps"), t("communication {step} s, mechanical {mechanical} s", { step, mechanical: mechanical_step })]];
-    return warnings.length > 0 ? [...rows, [t("Warnings"), warnings.join("; ")]] : rows;
+    return warnings.length > 0 ? [...rows, [t("Warnings"), warnings.map(inWords).join("; ")]] : rows;
 }
 
 /** What a sweep was made of: it may be another scene than the one on the stage. */

@@ -4,7 +4,7 @@ import { batch, computed, effect, signal, untracked } from "@preact/signals";
 import { Client, Stopped } from "./client";
 import { Film } from "./film";
 import { type KeptBase } from "./forms";
-import { count, engineText, t } from "./language";
+import { count, inWords, t } from "./language";
 import { arrive, change, FIRST, follow, isNew, keysInUse, type Made as Planned, opened, plan, settle, unread } from "./plan";
 import type { Opened, PlacedCrowd, Scene, Sex, Shown } from "./protocol";
 import { kept, remove } from "./store";
@@ -111,7 +111,7 @@ async function open(wanted: Planned, number: number) {
     const playing = plays && !matchMedia("(prefers-reduced-motion: reduce)").matches;
     plays = false;
     batch(() => {
-        notes.value = value.notes.map(engineText);
+        notes.value = value.notes.map(inWords);
         made.value = value.made;
         // Those who were moved by hand were not placed again.
         const placed = other || !film.value ? describe(value, wanted.base, seconds) : "";

@@ -6,7 +6,7 @@ import { table } from "./csv";
 import { meanFlow } from "./flow";
 import { ofAllPairs } from "./forms";
 import { Frames } from "./frames";
-import { engineText, type Plain, t } from "./language";
+import { inWords, type Plain, t } from "./language";
 import { beyond } from "./places";
 import { type Made, plan, scene } from "./plan";
 import type { Advanced, Edit, Motion, Opened } from "./protocol";
@@ -125,7 +125,7 @@ async function run(client: Client, from: Made, made: Made, doors: unknown[], unt
     const squeezes = frames.curve("squeeze").subarray(1, all ? -1 : undefined);
     return {
         made: { ...made, edits, motion },
-        leftOut: [...out].map(([k, why]) => `${called(made.edits[k]!)}: ${engineText(why)}`),
+        leftOut: [...out].map(([k, why]) => `${called(made.edits[k]!)}: ${inWords(why)}`),
         measures: {
             all_left: all ? (count.length - 1) * step : NaN,
             left: total,

@@ -3,7 +3,9 @@
 use super::steps::{CONTACTS_AT_ONCE, Fastest, rounded_down};
 use super::{Setup, WorldError};
 use crate::engine::{Contact, ContactReport, Pair, Scene, World};
-use lemons_core::trial::{FileNames, Problem, Rule, quoted};
+use lemons_core::message::{Message, message};
+use lemons_core::rule::sentences::*;
+use lemons_core::trial::{FileNames, Problem, Rule};
 use std::collections::{BTreeSet, HashSet};
 
 /// Largest distance that a disk moves in a proposed step, as a fraction of its radius.
@@ -51,7 +53,7 @@ impl Setup<'_> {
     }
 
     /// Returns the overlaps at the start that no earlier step knows.
-    fn overlaps_at_start(&self, scene: &Scene, contacts: &ContactReport) -> Vec<String> {
+    fn overlaps_at_start(&self, scene: &Scene, contacts: &ContactReport) -> Vec<Message> {
         let state = self.state(scene);
         let known_disks: HashSet<_> =
             state.disk_springs.iter().map(|spring| (spring.first, spring.second)).collect();
@@ -61,18 +63,18 @@ impl Setup<'_> {
             Pair::Disks { first, second } => !known_disks.contains(&(first, second)),
             Pair::Face { disk, face, .. } => !known_faces.contains(&(disk, face)),
         };
-        self.overlaps(scene, contacts, is_new, "at the start")
+        self.overlaps(scene, contacts, is_new, message!(AT_START))
     }
 
     /// Returns warnings about overlaps of agents, by their places, who come back into a world at a time \[s\].
-    pub fn overlaps_of(&self, world: &World, agents: &BTreeSet<usize>, time: f64) -> Vec<String> {
+    pub fn overlaps_of(&self, world: &World, agents: &BTreeSet<usize>, time: f64) -> Vec<Message> {
         let scene = world.scene();
         let is_theirs = |disk| agents.contains(&scene.body_of(disk).index());
         let is_new = |pair: &Pair| match *pair {
             Pair::Disks { first, second } => is_theirs(first) || is_theirs(second),
             Pair::Face { disk, .. } => is_theirs(disk),
         };
-        self.overlaps(scene, world.contacts(), is_new, &format!("where agents come back at t = {time:?} s"))
+        self.overlaps(scene, world.contacts(), is_new, message!(WHERE_BACK, time))
     }
 
     fn overlaps(
@@ -80,20 +82,21 @@ impl Setup<'_> {
         scene: &Scene,
         contacts: &ContactReport,
         is_new: impl Fn(&Pair) -> bool,
-        when: &str,
-    ) -> Vec<String> {
+        when: Message,
+    ) -> Vec<Message> {
         let (among_agents, with_walls): (Vec<&Contact>, Vec<&Contact>) = contacts
             .contacts
             .iter()
             .filter(|contact| is_new(&contact.pair))
             .partition(|contact| matches!(contact.pair, Pair::Disks { .. }));
-        let told = |(overlaps, what): (Vec<&Contact>, &str)| {
-            let (count, pairs) = (overlaps.len(), if overlaps.len() == 1 { "pair" } else { "pairs" });
+        let told = |(overlaps, what): (Vec<&Contact>, Message)| {
+            let count = overlaps.len();
+            let pairs = if count == 1 { message!(PAIR) } else { message!(PAIRS) };
             let deepest = overlaps.into_iter().reduce(|a, b| if b.depth > a.depth { b } else { a })?;
-            let (depth, whose) = (1e3 * deepest.depth, self.name_pair(scene, deepest.pair, "wall"));
-            Some(format!("{count} {pairs} of {what} overlap {when}, the deepest by {depth:.3} mm ({whose})"))
+            let whose = self.name_pair(scene, deepest.pair, false);
+            Some(message!(OVERLAP, count, pairs, what, when, depth = 1e3 * deepest.depth, whose))
         };
-        let all = [(among_agents, "disks of different agents"), (with_walls, "disks and walls")];
+        let all = [(among_agents, message!(DISKS_OF_AGENTS)), (with_walls, message!(DISKS_AND_WALLS))];
         all.into_iter().filter_map(told).collect()
     }
 
@@ -106,44 +109,38 @@ impl Setup<'_> {
         }
         let stable = steps.stable();
         let verdict = if step < stable {
-            format!("is stable (up to {stable:.1e} s), but long for the contact of {pair}")
+            message!(LONG, stable, pair)
         } else if step < rates.unstable_from(1.0) {
-            format!(
-                "is not stable (up to {stable:.1e} s): a body with {CONTACTS_AT_ONCE} contacts like that of {pair} gains energy"
-            )
+            message!(GAINS, stable, contacts = CONTACTS_AT_ONCE, pair)
         } else {
-            format!("is not stable (up to {stable:.1e} s): collisions in the contact of {pair} create energy")
+            message!(CREATES, stable, pair)
         };
         let ratio = rates.damping / rates.critical_damping();
-        if ratio > ABSURD_DAMPING {
-            let message = format!("{verdict}: {}", self.absurd_damping(scene, *materials, ratio));
-            return Some(self.of_step(Rule::StepTooLong, places, message));
-        }
-        let Some(proposed) = steps.proposed() else {
-            let message = format!(
-                "no step resolves the contact of {pair}: are mass, moment of inertia and materials right?"
-            );
-            return Some(self.of_step(Rule::StepTooLong, places, message));
+        let message = if ratio > ABSURD_DAMPING {
+            self.absurd_damping(scene, *materials, ratio, verdict)
+        } else if let Some(proposed) = steps.proposed() {
+            let damping = (rates.damping != 0.0).then(|| message!(DAMPING_TIME, time = 1.0 / rates.damping));
+            message!(RESOLVES, verdict, period = rates.period(), damping, proposed)
+        } else {
+            message!(NO_STEP, pair)
         };
-        let damping = match rates.damping {
-            0.0 => String::new(),
-            damping => format!(", damping time {:.2e} s", 1.0 / damping),
-        };
-        let message = format!(
-            "{verdict} (period {:.2e} s{damping}). A step of at most {proposed:e} s resolves all contacts",
-            rates.period()
-        );
         Some(self.of_step(Rule::StepTooLong, places, message))
     }
 
     /// Returns what a rule says of `TimeStepMechanical`.
-    pub(super) fn of_step(&self, rule: Rule, places: &FileNames, message: String) -> Problem {
+    pub(super) fn of_step(&self, rule: Rule, places: &FileNames, message: Message) -> Problem {
         let step = format!("{:?}", self.parameters.time_step_mechanical);
         of_attribute(rule, places, "TimeStepMechanical", step, message)
     }
 
     /// Returns a message that the damping of two materials is the cause, not the step.
-    fn absurd_damping(&self, scene: &Scene, (first, second): (usize, usize), ratio: f64) -> String {
+    fn absurd_damping(
+        &self,
+        scene: &Scene,
+        (first, second): (usize, usize),
+        ratio: f64,
+        verdict: Message,
+    ) -> Message {
         let law = scene.law(first, second);
         let (name, damping) = if law.normal_damping >= law.tangential_damping {
             ("GammaNormal", law.normal_damping)
@@ -151,18 +148,14 @@ impl Setup<'_> {
             ("GammaTangential", law.tangential_damping)
         };
         let materials = self.used_materials();
-        let [first, second] = [first, second].map(|place| quoted(&materials[place].id));
-        format!(
-            "its damping is the cause, {name} {damping:?} kg/s of the materials {first} and {second}, {ratio:.1e} times the \
-             critical damping of {:.1e} kg/s, from which on nothing bounces back: is it right?",
-            damping / ratio
-        )
+        let [first, second] = [first, second].map(|place| &materials[place].id);
+        message!(DAMPED, verdict, name, damping, first, second, ratio, critical = damping / ratio)
     }
 
     /// Finds disks that may be on the far side of a wall or of a person before a contact is detected.
     fn stepping_over(&self, scene: &Scene, places: &FileNames) -> Option<Problem> {
         let step = self.parameters.time_step_mechanical;
-        let (mut count, mut worst) = (0, None::<(f64, f64, usize)>);
+        let (mut count, mut worst) = (0_usize, None::<(f64, f64, usize)>);
         for (b, (body, dynamics)) in scene.bodies.iter().zip(&self.dynamics).enumerate() {
             let for_so_long = |rate: f64| (1.0 / rate).min(DRIVEN_FOR);
             let speed = dynamics.velocity.norm()
@@ -185,17 +178,13 @@ impl Setup<'_> {
             }
         }
         let (share, radius, b) = worst?;
-        let others = if count > 1 { format!(" ({count} agents may)") } else { String::new() };
-        let id = quoted(&self.agents[b].id);
+        let others = (count > 1).then(|| message!(AGENTS_MAY, count));
         let cure = match rounded_down(PROPOSED_SHARE_OF_RADIUS * step / share) {
-            Some(proposed) => format!("at most {proposed:e} s would be short enough"),
-            None => "no step is short enough: are its speed and its drive right?".to_owned(),
+            Some(step) => message!(SHORT_ENOUGH, step),
+            None => message!(NONE_SHORT_ENOUGH),
         };
-        let (moved, speed) = (share * radius, share * radius / step);
-        let message = format!(
-            "a disk of agent {id} may move {moved:.2e} m in it, further than its radius {radius:?} m, and step over a \
-             wall or somebody{others}: by Velocity and Fp the agent comes to {speed:.2e} m/s; {cure}"
-        );
+        let (agent, moved, speed) = (&self.agents[b].id, share * radius, share * radius / step);
+        let message = message!(STEP_OVER, agent, moved, radius, others, speed, cure);
         Some(self.of_step(Rule::StepOver, places, message))
     }
 }
@@ -206,7 +195,7 @@ pub(super) fn of_attribute(
     places: &FileNames,
     attribute: &str,
     value: String,
-    message: String,
+    message: Message,
 ) -> Problem {
     let (file, element) = places.with_attribute(attribute).unzip();
     Problem {

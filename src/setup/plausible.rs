@@ -4,8 +4,10 @@
 use super::Setup;
 use super::within::{Inside, outside_rooms, within_pillars};
 use crate::engine::{Body, CornerId, Face, FaceId, Scene, Vec2};
+use lemons_core::message::{Message, Sentence, message};
 use lemons_core::plane::{Bounds, vec2};
-use lemons_core::trial::{Agent, BODY_MASS_INDEX, FileNames, Problem, Rule, Wall, quoted};
+use lemons_core::rule::sentences::*;
+use lemons_core::trial::{Agent, BODY_MASS_INDEX, FileNames, Problem, Rule, Wall};
 use std::collections::HashSet;
 
 /// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
@@ -50,43 +52,42 @@ impl Setup<'_> {
     }
 
     /// Walls open and close at communication points only.
-    fn doubts_of_openings(&self) -> Option<String> {
+    fn doubts_of_openings(&self) -> Option<Message> {
         let step = self.parameters.time_step;
         let short = |wall: &Wall| wall.open.as_ref()?.shorter_than(step);
         let mut all = self.geometry.walls.iter().filter_map(|wall| Some((wall, short(wall)?)));
         let (wall, [from, to]) = all.next()?;
-        let (id, others) = (quoted(&wall.id), in_all(1 + all.count(), "walls"));
-        Some(format!(
-            "wall {id}: Open from {from:?} to {to:?} s is shorter than the TimeStep of {step:?} s{others}: it may never be \
-             open"
-        ))
+        let others = in_all(1 + all.count(), WALLS_IN_ALL);
+        Some(message!(OPENING_SHORT, wall = &wall.id, from, to, step, others))
     }
 
     fn doubts_of_steps(&self, places: &FileNames) -> Option<Problem> {
         let step = self.parameters.time_step;
         let steps = step / self.parameters.time_step_mechanical;
-        let message = format!("is short: each TimeStep of {step:?} s takes {steps:.1e} mechanical steps");
+        let message = message!(TOO_SHORT, step, steps);
         (steps > MANY_STEPS).then(|| self.of_step(Rule::StepTooShort, places, message))
     }
 
     /// Returns the first body that is odd, the Id of its agent, and how many there are in all.
-    fn odd<'b>(&self, scene: &'b Scene, odd: impl Fn(&Body) -> bool) -> Option<(&'b Body, String, String)> {
+    fn odd<'b>(
+        &self,
+        scene: &'b Scene,
+        odd: impl Fn(&Body) -> bool,
+    ) -> Option<(&'b Body, &str, Option<Message>)> {
         let mut all = scene.bodies.iter().zip(&self.agents).filter(|(body, _)| odd(body));
         let (body, agent) = all.next()?;
-        Some((body, quoted(&agent.id), in_all(1 + all.count(), "agents")))
+        Some((body, &agent.id, in_all(1 + all.count(), AGENTS_IN_ALL)))
     }
 
-    fn doubts_of_bodies(&self, scene: &Scene) -> Option<String> {
+    fn doubts_of_bodies(&self, scene: &Scene) -> Option<Message> {
         let [small, large] = RIM;
-        let (body, id, others) = self.odd(scene, |body| !(small..=large).contains(&body.bounding_radius))?;
-        let width = 2.0 * body.bounding_radius;
-        Some(format!(
-            "agent {id} is {width:.3} m wide{others}: are Radius and Position of its shapes in metres?"
-        ))
+        let (body, agent, others) =
+            self.odd(scene, |body| !(small..=large).contains(&body.bounding_radius))?;
+        Some(message!(BODY_SIZE, agent, width = 2.0 * body.bounding_radius, others))
     }
 
     /// Things that go along are heavy, too: they have disks of other materials.
-    fn doubts_of_masses(&self) -> Option<String> {
+    fn doubts_of_masses(&self) -> Option<Message> {
         let [least, most] = BODY_MASS_INDEX;
         let odd = |agent: &&Agent| {
             let alone = agent.shapes.iter().all(|shape| shape.material_id == agent.shapes[0].material_id);
@@ -97,17 +98,21 @@ impl Setup<'_> {
         let usual = |agent: &&Agent| agent.mass >= 1.0 && agent.height.is_some_and(|height| height < 2.8);
         let mut all = self.agents.iter().filter(usual).filter(odd);
         let Agent { id, mass, height, .. } = all.next()?;
-        let (id, height, others) =
-            (quoted(id), height.unwrap_or_default(), in_all(1 + all.count(), "agents"));
-        Some(format!(
-            "agent {id} of Height {height:?} m has a Mass of {mass:.1} kg, {:.1} kg/m²{others}: people have {least} to {most} \
-             kg/m²: is Mass in kg?",
-            mass / (height * height)
+        let (height, others) = (height.unwrap_or_default(), in_all(1 + all.count(), AGENTS_IN_ALL));
+        Some(message!(
+            BODY_MASS,
+            agent = id,
+            height,
+            mass,
+            index = mass / (height * height),
+            others,
+            least,
+            most
         ))
     }
 
     /// A centre of mass is within the hull of the disks: in each direction one of them reaches beyond it.
-    fn doubts_of_centres(&self, scene: &Scene) -> Option<String> {
+    fn doubts_of_centres(&self, scene: &Scene) -> Option<Message> {
         let odd = |body: &Body| {
             (0..DIRECTIONS).any(|k| {
                 let towards = direction(f64::from(k));
@@ -115,59 +120,58 @@ impl Setup<'_> {
                 disks.iter().all(|disk| disk.offset.dot(&towards) + disk.radius < 0.0)
             })
         };
-        let (_, id, others) = self.odd(scene, odd)?;
-        Some(format!(
-            "the centre of mass of agent {id} is outside of its own shapes{others}: are their Positions relative to it?"
-        ))
+        let (_, agent, others) = self.odd(scene, odd)?;
+        Some(message!(CENTRE, agent, others))
     }
 
     /// Faces that lie on each other act like one: that is probably meant, but not their number.
-    fn doubts_of_doubled_faces(&self, scene: &Scene) -> Option<String> {
+    fn doubts_of_doubled_faces(&self, scene: &Scene) -> Option<Message> {
         let doubled = &scene.doubled;
         let material =
             |face: FaceId| &self.geometry.walls[scene.faces[face.index()].wall.index()].material_id;
         let differ = |pair: &&(FaceId, FaceId)| material(pair.0) != material(pair.1);
         let &(one, other) = doubled.iter().find(differ).or(doubled.first())?;
-        let [first, second] = [one, other].map(|face| quoted(material(face)));
+        let [first, second] = [one, other].map(material);
         let same = |corner: CornerId| {
             let face = &scene.faces[one.index()];
             corner == face.start_corner || corner == face.end_corner
         };
         let of_other = &scene.faces[other.index()];
-        let of_material = if first == second {
-            String::new()
+        let material = if first == second {
+            None
         } else if same(of_other.start_corner) && same(of_other.end_corner) {
-            format!(" of {first}, the material of the first")
+            Some(message!(OF_FIRST, first))
         } else {
-            format!(", of {first} or of {second} as rounding decides")
+            Some(message!(OF_EITHER, first, second))
         };
         let named = |face: FaceId| {
             let Face { start, end, .. } = scene.faces[face.index()];
             let wall = self.name_of_wall(scene, face);
-            format!("wall {wall} from {:?},{:?} to {:?},{:?}", start.x, start.y, end.x, end.y)
+            message!(FACE, wall, x = start.x, y = start.y, to_x = end.x, to_y = end.y)
         };
         let faces: HashSet<FaceId> = doubled.iter().flat_map(|pair| [pair.0, pair.1]).collect();
-        let others = if doubled.len() > 1 { in_all(faces.len(), "faces") } else { String::new() };
-        let (one, other) = (named(one), named(other));
-        Some(format!("{one} and {other} lie on each other{others}: they act like one wall{of_material}"))
+        let others = if doubled.len() > 1 { in_all(faces.len(), FACES_IN_ALL) } else { None };
+        Some(message!(DOUBLED, one = named(one), other = named(other), others, material))
     }
 
-    fn doubts_of_walls(&self, scene: &Scene) -> Option<String> {
+    fn doubts_of_walls(&self, scene: &Scene) -> Option<Message> {
         let size = Bounds::of(scene.corners.iter().map(|corner| corner.position))?.size();
         let agents = scene.bodies.len() as f64;
         let widest = scene.bodies.iter().map(|body| 2.0 * body.bounding_radius).fold(0.0, f64::max);
-        let spans = format!("the walls span {:.3} m × {:.3} m", size.x, size.y);
-        let odd = if size.x.max(size.y) < widest {
-            ", less than an agent".to_owned()
-        } else if size.x.min(size.y) > LARGE_HALL && agents < FEW_PEOPLE * size.x * size.y {
-            format!(" around {agents} {}", if agents == 1.0 { "agent" } else { "agents" })
+        let (width, height) = (size.x, size.y);
+        if width.max(height) < widest {
+            Some(message!(WALLS_SMALL, width, height))
+        } else if width.min(height) > LARGE_HALL && agents < FEW_PEOPLE * width * height {
+            Some(match scene.bodies.len() {
+                1 => message!(WALLS_AROUND_ONE, width, height),
+                agents => message!(WALLS_AROUND, width, height, agents),
+            })
         } else {
-            return None;
-        };
-        Some(format!("{spans}{odd}: are their Coordinates in metres?"))
+            None
+        }
     }
 
-    fn doubts_of_places(&self, scene: &Scene, places: &[Vec2]) -> Option<String> {
+    fn doubts_of_places(&self, scene: &Scene, places: &[Vec2]) -> Option<Message> {
         let walls = Bounds::of(scene.corners.iter().map(|corner| corner.position));
         let beyond = |far: f64, place: Vec2| walls.is_none_or(|walls| !walls.grown(far).contains(place));
         // Far from the middle of the crowd, whatever walls there are.
@@ -176,17 +180,14 @@ impl Setup<'_> {
         if let Some(b) = places.iter().position(|place| is_far(*place)) {
             let away = (places[b] - middle).norm();
             let who = self.who_stands(&[b])?;
-            return Some(format!("{who} {away:.0} m away from the others: is its Position in metres?"));
+            return Some(message!(AWAY, who, away));
         }
         let walls = walls?;
         let outside: Vec<usize> = (0..places.len()).filter(|b| beyond(OUTSIDE, places[*b])).collect();
         let inside = places.len() - outside.len();
         let spread = Bounds::of(places.iter().copied())?.size();
         if inside == 0 && spread.x.max(spread.y) > SPREAD * walls.size().x.max(walls.size().y) {
-            return Some(format!(
-                "nobody is between the walls, and people span {:.3} m × {:.3} m: are their Positions in metres?",
-                spread.x, spread.y
-            ));
+            return Some(message!(NOBODY_BETWEEN, width = spread.x, height = spread.y));
         }
         // If most people are outside, or no person is in a room, being outside is intended.
         let most_are_enclosed = || {
@@ -197,49 +198,47 @@ impl Setup<'_> {
         if inside == 0 || outside.is_empty() || outside.len() > inside || !most_are_enclosed() {
             return self.doubts_of_closed_rooms(scene, places);
         }
-        let who = self.who_stands(&outside)?;
-        Some(format!("{who} outside of all walls, but the others are inside: is this intended?"))
+        Some(message!(OUTSIDE_ALL, who = self.who_stands(&outside)?))
     }
 
     /// Doubts people who are near closed rooms that they cannot enter.
-    fn doubts_of_closed_rooms(&self, scene: &Scene, places: &[Vec2]) -> Option<String> {
+    fn doubts_of_closed_rooms(&self, scene: &Scene, places: &[Vec2]) -> Option<Message> {
         let (mut outside, inside) = outside_rooms(&self.geometry.walls, places)?;
         // Other walls, with doors, may be around both.
         outside.retain(|&b| !is_enclosed(scene, places[b]));
         let who = self.who_stands(&outside)?;
-        let inside = match inside {
-            0 => "the closed walls, and nobody inside".to_owned(),
-            inside => format!("the closed walls in which {inside} others stand"),
-        };
-        Some(format!("{who} outside of {inside}: is this intended?"))
-    }
-
-    fn who_stands(&self, agents: &[usize]) -> Option<String> {
-        let first = quoted(&self.agents[*agents.first()?].id);
-        Some(match agents.len() {
-            1 => format!("agent {first} stands"),
-            count => format!("{count} agents stand (first {first})"),
+        Some(match inside {
+            0 => message!(OUTSIDE_EMPTY, who),
+            count => message!(OUTSIDE_CLOSED, who, count),
         })
     }
 
-    fn doubts_of_pillars(&self, places: &[Vec2]) -> Option<String> {
+    fn who_stands(&self, agents: &[usize]) -> Option<Message> {
+        let agent = &self.agents[*agents.first()?].id;
+        Some(match agents.len() {
+            1 => message!(STANDS, agent),
+            count => message!(STAND, count, agent),
+        })
+    }
+
+    fn doubts_of_pillars(&self, places: &[Vec2]) -> Option<Message> {
         let Inside { agent, wall, count, around } = within_pillars(&self.geometry.walls, places)?;
-        let (agent, wall) = (quoted(&self.agents[agent].id), quoted(&self.geometry.walls[wall].id));
+        let (agent, wall) = (&self.agents[agent].id, &self.geometry.walls[wall].id);
         let who = match count {
-            1 => format!("agent {agent} stands inside the closed wall {wall}"),
-            count => format!("{count} agents stand inside closed walls (first {agent} inside {wall})"),
+            1 => message!(STANDS_INSIDE, agent, wall),
+            count => message!(STAND_INSIDE, count, agent, wall),
         };
         let others = match around {
-            1 => "around which the other one stands".to_owned(),
-            around => format!("around which {around} others stand"),
+            1 => message!(AROUND_ONE),
+            count => message!(AROUND, count),
         };
-        Some(format!("{who}, {others}: is it a pillar?"))
+        Some(message!(IN_PILLAR, who, others))
     }
 }
 
 /// Says how many there are, if there are several.
-fn in_all(count: usize, what: &str) -> String {
-    if count > 1 { format!(" ({count} {what} in all)") } else { String::new() }
+fn in_all(count: usize, what: Sentence) -> Option<Message> {
+    (count > 1).then(|| Message::new(what, &[("count", &count)]))
 }
 
 /// Returns the median of each coordinate.

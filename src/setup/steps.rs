@@ -6,7 +6,8 @@
 
 use super::Setup;
 use crate::engine::Scene;
-use lemons_core::trial::quoted;
+use lemons_core::message::{Message, message};
+use lemons_core::rule::sentences::*;
 use std::f64::consts::TAU;
 
 /// A mechanical step longer than this fraction of the shortest contact period causes a warning. Up to it, without
@@ -150,11 +151,11 @@ impl Setup<'_> {
         }
         let step = |contact: &&(Rates, _, _, _)| contact.0.longest_step();
         let &(least, materials, agent, other) = contacts.iter().min_by(|a, b| step(a).total_cmp(&step(b)))?;
-        let id = |b: usize| quoted(&self.agents[b].id);
+        let id = |b: usize| &self.agents[b].id;
         let pair = match other {
-            Other::Agent(other) => format!("agents {} and {}", id(agent), id(other)),
+            Other::Agent(other) => message!(TWO_AGENTS, one = id(agent), other = id(other)),
             Other::Wall(wall) => {
-                format!("agent {} and wall {}", id(agent), quoted(&self.geometry.walls[wall].id))
+                message!(AGENT_AND_WALL, agent = id(agent), wall = &self.geometry.walls[wall].id)
             }
         };
         let all = || contacts.iter().map(|(rates, ..)| rates);
@@ -237,7 +238,7 @@ impl Rates {
 /// A contact and its owners.
 #[derive(Debug, Clone)]
 pub(super) struct Fastest {
-    pub pair: String,
+    pub pair: Message,
     pub rates: Rates,
     /// Indices of both materials in the table of laws.
     pub materials: (usize, usize),

@@ -3,9 +3,11 @@
 use super::Setup;
 use super::advice::of_attribute;
 use crate::engine::{Vec2, vec2};
+use lemons_core::message::{Message, message};
+use lemons_core::rule::sentences::*;
 use lemons_core::trial::{
     Agent, AgentDynamics, ContactCoefficients, DriveTable, DriveValues, EVER, FileNames, Material, Problem,
-    Rule, quoted,
+    Rule,
 };
 
 /// The rows of `usual.txt`: for each attribute its usual values, and why others are not.
@@ -33,17 +35,17 @@ struct Value {
     value: f64,
     /// The value as it is written.
     shown: String,
-    /// Name of what has it.
-    of: String,
+    /// Name of what has it; `None`: the only one.
+    of: Option<Message>,
     /// \[kg\] or \[kg m²\] Mass or moment of inertia by which one in another unit is divided; else 1.
     body: f64,
 }
 
-fn value(value: f64, of: String) -> Value {
-    Value { value, shown: format!("{value:?}"), of, body: 1.0 }
+fn value(value: f64, of: Message) -> Value {
+    Value { value, shown: format!("{value:?}"), of: Some(of), body: 1.0 }
 }
 
-fn vector(vector: Vec2, of: String) -> Value {
+fn vector(vector: Vec2, of: Message) -> Value {
     Value { shown: format!("{:?},{:?}", vector.x, vector.y), ..value(vector.norm(), of) }
 }
 
@@ -63,23 +65,23 @@ impl Usual {
 
     /// Returns the values of the attribute in a Trial.
     fn values(&self, setup: &Setup<'_>) -> Vec<Value> {
-        let agents = |of: &dyn Fn(&Agent, &AgentDynamics, String) -> Value| {
+        let agents = |of: &dyn Fn(&Agent, &AgentDynamics, Message) -> Value| {
             let all = setup.agents.iter().zip(&setup.dynamics);
-            all.map(|(agent, dynamics)| of(agent, dynamics, format!("agent {}", quoted(&agent.id)))).collect()
+            all.map(|(agent, dynamics)| of(agent, dynamics, message!(OF_AGENT, agent = &agent.id))).collect()
         };
         let contacts = |of: fn(&ContactCoefficients) -> f64| {
             let named = |ContactCoefficients { id1, id2, .. }: &ContactCoefficients| {
-                format!("materials {} and {}", quoted(id1), quoted(id2))
+                message!(OF_MATERIALS, one = id1, other = id2)
             };
             setup.materials.binary.iter().map(|contact| value(of(contact), named(contact))).collect()
         };
         let materials = |of: fn(&Material) -> f64| {
-            let named = |material: &Material| format!("material {}", quoted(&material.id));
+            let named = |material: &Material| message!(OF_MATERIAL, material = &material.id);
             let all = setup.materials.intrinsic.iter();
             all.map(|material| value(of(material), named(material))).collect()
         };
         match self.attribute {
-            "TimeStep" => vec![value(setup.parameters.time_step, String::new())],
+            "TimeStep" => vec![Value { of: None, ..value(setup.parameters.time_step, Message::default()) }],
             "Mass" => agents(&|agent, _, of| value(agent.mass, of)),
             // An attribute that is not there is usual.
             "Height" => agents(&|agent, _, of| value(agent.height.unwrap_or(0.0), of)),
@@ -88,7 +90,7 @@ impl Usual {
                     agent
                         .shapes
                         .iter()
-                        .map(|shape| value(shape.radius, format!("agent {}", quoted(&agent.id))))
+                        .map(|shape| value(shape.radius, message!(OF_AGENT, agent = &agent.id)))
                 });
                 all.collect()
             }
@@ -133,26 +135,33 @@ impl Usual {
     }
 
     /// Returns the first unusual value, as it is written, and what is said of it.
-    fn doubt(&self, values: Vec<Value>) -> Option<(String, String)> {
+    fn doubt(&self, values: Vec<Value>) -> Option<(String, Message)> {
         let mut odd = values.into_iter().filter(|value| !self.is_met_by(value.value));
         let first = odd.next()?;
-        let others = match odd.count() {
-            0 => String::new(),
-            count => format!(" (and {count} more)"),
-        };
-        let whose = if first.of.is_empty() { String::new() } else { format!("{}{others}: ", first.of) };
+        let others = Some(odd.count()).filter(|count| *count > 0).map(|count| message!(AND_MORE, count));
+        let whose = first.of.as_ref().map(|of| message!(WHOSE, of, others));
         let with_unit = |number: f64| format!("{} {}", told(number), self.unit).trim_end().to_owned();
         let range = match self.range {
-            [0.0, high] => format!("at most {}", with_unit(high)),
-            [low, f64::INFINITY] => format!("at least {}", with_unit(low)),
-            range => range.map(with_unit).join(" to "),
+            [0.0, high] => message!(AT_MOST, high = with_unit(high)),
+            [low, f64::INFINITY] => message!(AT_LEAST, low = with_unit(low)),
+            [low, high] => message!(FROM_TO, low = with_unit(low), high = with_unit(high)),
         };
         let ask = match self.meant(&first) {
-            Some((unit, value)) => format!("is it in {unit} ({})?", with_unit(value)),
-            None => "is it right?".to_owned(),
+            Some((unit, value)) => message!(IN_UNIT, unit, value = with_unit(value)),
+            None => message!(IS_RIGHT),
         };
-        Some((first.shown, format!("{whose}{range} is usual, because {}: {ask}", self.reason)))
+        let reason = Message { id: self.reason_id().into(), ..self.reason.into() };
+        Some((first.shown, message!(UNUSUAL, whose, range, reason, ask)))
     }
+
+    fn reason_id(&self) -> String {
+        format!("usual.{}", self.attribute)
+    }
+}
+
+/// Returns why values are usual: an id for each attribute, and the text.
+pub fn reasons() -> impl Iterator<Item = (String, &'static str)> {
+    table().map(|usual| (usual.reason_id(), usual.reason))
 }
 
 /// Writes a number with three digits.
@@ -176,18 +185,21 @@ impl Setup<'_> {
 }
 
 /// Returns what is unusual in a drive file: forces, torques and times that are probably in other units.
-pub fn doubts_of_drive(drive: &DriveTable) -> Vec<String> {
+pub fn doubts_of_drive(drive: &DriveTable) -> Vec<Message> {
     let mut ids: Vec<&str> = drive.agents().collect();
     ids.sort_unstable();
-    let agents: Vec<(String, &[(f64, DriveValues)])> =
-        ids.into_iter().filter_map(|id| Some((format!("agent {}", quoted(id)), drive.rows(id)?))).collect();
-    let pushes = || agents.iter().flat_map(|(of, rows)| rows.iter().map(move |(_, push)| (of.clone(), push)));
-    let changes = agents.iter().flat_map(|(of, rows)| {
+    let agents: Vec<(&str, &[(f64, DriveValues)])> =
+        ids.into_iter().filter_map(|id| Some((id, drive.rows(id)?))).collect();
+    let pushes = || {
+        let rows = agents.iter().flat_map(|(agent, rows)| rows.iter().map(move |(_, push)| (agent, push)));
+        rows.map(|(agent, push)| (message!(OF_AGENT, agent), push))
+    };
+    let changes = agents.iter().flat_map(|(agent, rows)| {
         let changes = rows.windows(2).filter(|rows| rows[0].1 != rows[1].1);
         changes.map(move |rows| {
             let (from, to) = (rows[0].0, rows[1].0);
-            let within = format!("{of}, whose push changes in the {:?} s after t={from:?}", to - from);
-            Value { shown: format!("{to:?}"), ..value(to - from, within) }
+            let of = message!(OF_CHANGE, agent, within = to - from, from);
+            Value { shown: format!("{to:?}"), ..value(to - from, of) }
         })
     });
     let ends = agents.iter().filter_map(|(_, rows)| Some(rows.iter().rfind(|(time, _)| *time != EVER)?.0));
@@ -198,11 +210,11 @@ pub fn doubts_of_drive(drive: &DriveTable) -> Vec<String> {
             "Fp" => ("Fp", pushes().map(|(of, [x, y, _])| vector(vec2(*x, *y), of)).collect()),
             "Mp" => ("Mp", pushes().map(|(of, [_, _, torque])| value(*torque, of)).collect()),
             "change" => ("t", quickest.iter().cloned().collect()),
-            "end" => ("t", end.map(|end| value(end, "last row".into())).into_iter().collect()),
+            "end" => ("t", end.map(|end| value(end, message!(OF_LAST_ROW))).into_iter().collect()),
             _ => return None,
         };
-        let (shown, message) = usual.doubt(values)?;
-        Some(format!("{column}=\"{shown}\": {message}"))
+        let (value, doubt) = usual.doubt(values)?;
+        Some(message!(UNUSUAL_IN_DRIVE, column, value, doubt))
     });
     doubts.collect()
 }
@@ -221,7 +233,8 @@ mod tests {
     fn drives_in_other_units_are_doubted() {
         let messages = |rows: &str| {
             let text = format!("t,agent,Fp.x,Fp.y,Mp\n{rows}");
-            doubts_of_drive(&DriveTable::from_csv(text.as_bytes()).unwrap())
+            let found = doubts_of_drive(&DriveTable::from_csv(text.as_bytes()).unwrap());
+            found.iter().map(ToString::to_string).collect::<Vec<_>>()
         };
         // Somebody who pushes for ten minutes.
         assert_eq!(messages("0,a,0,0,0\n0.3,a,600,-100,9\n0.6,a,0,0,0\n1,b,50,0,0\n600,b,50,0,0\n"), [""; 0]);

@@ -5,10 +5,12 @@ use crate::engine::{
     AdvanceError, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Scene,
     State, WallId, WallSpec, World, Wrench, elongation_vector,
 };
+use lemons_core::message::{Message, message};
 use lemons_core::plane::{InPlane, Motion, Pose, Twist};
+use lemons_core::rule::sentences::*;
 use lemons_core::trial::{
     Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, ShapeElement, Wall,
-    WallInteraction, pairs_that_touch, quoted, stiffness,
+    WallInteraction, pairs_that_touch, stiffness,
 };
 use std::collections::{HashMap, HashSet};
 use thiserror::Error;
@@ -156,39 +158,42 @@ impl Setup<'_> {
         agent.map_or(error.to_string(), |agent| format!("agent {:?}: {error}", agent.id))
     }
 
-    /// Returns the Id of the agent whose body has a disk, in quotes.
-    pub(super) fn name_of(&self, scene: &Scene, disk: DiskId) -> String {
-        quoted(&self.agents[scene.body_of(disk).index()].id)
+    /// Returns the Id of the agent whose body has a disk.
+    fn name_of(&self, scene: &Scene, disk: DiskId) -> &str {
+        &self.agents[scene.body_of(disk).index()].id
     }
 
-    /// Returns the Id of the wall that has a face, in quotes.
-    pub(super) fn name_of_wall(&self, scene: &Scene, face: FaceId) -> String {
-        quoted(&self.geometry.walls[scene.faces[face.index()].wall.index()].id)
+    /// Returns the Id of the wall that has a face.
+    pub(super) fn name_of_wall(&self, scene: &Scene, face: FaceId) -> &str {
+        &self.geometry.walls[scene.faces[face.index()].wall.index()].id
     }
 
-    /// Returns the names of a pair: the Ids of agents and walls; `wall` is what a wall is called.
-    pub(super) fn name_pair(&self, scene: &Scene, pair: Pair, wall: &str) -> String {
+    /// Returns the names of a pair: the Ids of agents and walls; `corner`: of a wall it is one.
+    pub(super) fn name_pair(&self, scene: &Scene, pair: Pair, corner: bool) -> Message {
         match pair {
             Pair::Disks { first, second } => {
-                format!("agents {} and {}", self.name_of(scene, first), self.name_of(scene, second))
+                message!(TWO_AGENTS, one = self.name_of(scene, first), other = self.name_of(scene, second))
             }
             Pair::Face { disk, face, .. } => {
-                format!("agent {} and {wall} {}", self.name_of(scene, disk), self.name_of_wall(scene, face))
+                let (agent, wall) = (self.name_of(scene, disk), self.name_of_wall(scene, face));
+                if corner {
+                    message!(AGENT_AND_CORNER, agent, wall)
+                } else {
+                    message!(AGENT_AND_WALL, agent, wall)
+                }
             }
         }
     }
 
     /// Describes pairs whose centres coincide: the first pair and the number of the others; `None` without pairs.
-    pub fn name_coincident(&self, scene: &Scene, pairs: &[Pair]) -> Option<String> {
-        let whose = self.name_pair(scene, *pairs.first()?, "a corner of wall");
+    pub fn name_coincident(&self, scene: &Scene, pairs: &[Pair]) -> Option<Message> {
+        let whose = self.name_pair(scene, *pairs.first()?, true);
         let others = match pairs.len() {
-            1 => String::new(),
-            2 => ", and one more pair".to_owned(),
-            count => format!(", and {} more pairs", count - 1),
+            1 => None,
+            2 => Some(message!(ONE_PAIR_MORE)),
+            count => Some(message!(PAIRS_MORE, count = count - 1)),
         };
-        Some(format!(
-            "{whose} have their centres at one place{others}: no force acts between them as long as this is so"
-        ))
+        Some(message!(SAME_PLACE, whose, others))
     }
 
     /// Opens and closes the walls of a world as the Trial says for a time \[s\]. A wall that closes waits until nobody is

@@ -1,6 +1,7 @@
 """What is probably not meant is said alike by `lemons check`, `lemons run` and the package; docs/reference/rules.md has the rules."""
 
 import json
+import pickle
 import re
 import subprocess
 from urllib.parse import unquote
@@ -31,6 +32,12 @@ def found(lemons, trial):
     done = subprocess.run([lemons, "check", "--json", trial], capture_output=True, text=True, check=True)
     results = json.loads(done.stdout)["runs"][0]["results"]
     file = lambda result: unquote(result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]).removeprefix("file://")
+    driver = json.loads(done.stdout)["runs"][0]["tool"]["driver"]
+    strings = {rule["id"]: {**driver["globalMessageStrings"], **rule["messageStrings"]} for rule in driver["rules"]}
+    for result in results:
+        # The sentence with its values is what is said; before it may be an element with its attribute.
+        message, sentence = result["message"], strings[result["ruleId"]][result["message"]["id"]]["text"]
+        assert message["text"].endswith(sentence.format(*message["arguments"])), message
     lines = [f"{result['level']}: {file(result)}: {result['message']['text']}" for result in results if result["ruleId"] not in OF_CHECK]
     return {result["ruleId"] for result in results}, lines
 
@@ -51,6 +58,9 @@ def test_where_people_walk_is_examined_alike(lemons, tmp_path, name):
     assert said_by_run(lemons, trial, "0.01", tmp_path) == lines
     with Crowd(trial) as made:
         assert made.messages == lines
+        assert {found.rule for found in made.messages} == ids - OF_CHECK
+        assert [f"{found.severity}: {found.subject}: {found.message}" for found in made.messages] == lines
+        assert [pickle.loads(pickle.dumps(found)).rule for found in made.messages] == [found.rule for found in made.messages]
 
 
 def test_drives_and_legs_are_examined_alike(lemons, tmp_path):

@@ -27,9 +27,9 @@ SHORT = {
     "test_a_broken_trial_is_named_with_file_and_attribute",
     "test_a_reload_and_a_link_bring_all_back_and_undo_takes_it_away",
     "test_a_number_out_of_range_stays_and_is_not_taken",
-    "test_each_message_of_the_engine_has_a_translation",
+    "test_what_the_engine_refuses_is_in_the_language",
     "test_the_catalogs_have_the_texts_of_the_page_and_their_places",
-    "test_the_catalogs_of_the_engine_have_what_it_says",
+    "test_words_of_the_engine_are_not_english",
 }
 
 

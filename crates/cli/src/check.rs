@@ -4,7 +4,8 @@ use crate::error::{TrialHasErrors, full_message};
 use crate::version::BUILD;
 use anyhow::Result;
 use lemons_core::files::words::shortened;
-use lemons_core::rule::RuleRow;
+use lemons_core::message::Sentence;
+use lemons_core::rule::{RuleRow, parts};
 use lemons_core::trial::{DriveTable, Parameters, Problem, Problems, Rule};
 use lemons_master::{TrialInput, plan_of};
 use lemons_sim::Documents;
@@ -109,8 +110,16 @@ fn result(problem: &Problem, path: &Path) -> Value {
         let of = attribute.iter().map(|attribute| format!("{element}/@{attribute}")).next();
         location["logicalLocations"] = json!([{ "fullyQualifiedName": of.as_ref().unwrap_or(element) }]);
     }
+    let mut message = json!({ "text": shortened(&text) });
+    let said = &problem.message;
+    let sentences = rule.row().sentences.iter().chain(parts::ALL);
+    if let Some(sentence) = sentences.into_iter().find(|sentence| sentence.id == said.id) {
+        let values = sentence.parts().filter_map(|(_, place)| said.values.get(place?.0));
+        message["id"] = said.id.clone().into();
+        message["arguments"] = values.map(|value| shortened(value)).collect();
+    }
     let level = problem.severity().to_string();
-    json!({ "ruleId": rule.row().id, "level": level, "message": { "text": shortened(&text) }, "locations": [location] })
+    json!({ "ruleId": rule.row().id, "level": level, "message": message, "locations": [location] })
 }
 
 /// Characters that stand for themselves in the path of an URI.
@@ -123,19 +132,37 @@ fn uri(file: &Path) -> String {
     if file.is_absolute() { format!("file:///{text}").replacen("////", "///", 1) } else { text.to_string() }
 }
 
+/// Sentences as SARIF has them: places are numbered.
+fn strings(sentences: &[Sentence]) -> Value {
+    let text = |sentence: &Sentence| {
+        let parts = sentence.parts().enumerate();
+        parts
+            .map(|(k, (before, place))| place.map_or(before.into(), |_| format!("{before}{{{k}}}")))
+            .collect::<String>()
+    };
+    let all = sentences.iter().map(|sentence| (sentence.id.into(), json!({ "text": text(sentence) })));
+    Value::Object(all.collect())
+}
+
 /// A log of SARIF 2.1.0 with these results.
 fn sarif(results: &[Value]) -> Value {
     let rule = |rule: &Rule| {
-        let RuleRow { id, severity, means, advice, .. } = rule.row();
+        let RuleRow { id, severity, means, advice, sentences, .. } = rule.row();
         json!({
             "id": id,
             "shortDescription": { "text": means },
             "help": { "text": advice },
+            "messageStrings": strings(sentences),
             "defaultConfiguration": { "level": severity.to_string() }
         })
     };
     let rules: Vec<Value> = Rule::ALL.iter().map(rule).collect();
-    let driver = json!({ "name": "lemons check", "version": BUILD.to_string(), "rules": rules });
+    let driver = json!({
+        "name": "lemons check",
+        "version": BUILD.to_string(),
+        "globalMessageStrings": strings(parts::ALL),
+        "rules": rules
+    });
     json!({
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
         "version": "2.1.0",

@@ -72,7 +72,7 @@ fn dispatch(words: &[OsString], held: Option<Held>) -> Result<Done> {
     match command? {
         Command::Plot(mut arguments) => {
             arguments.source.hold(run, database);
-            done.picture = crate::pictures::plot::drawn(&arguments)?;
+            done.picture = crate::pictures::plot::drawn(&mut arguments)?;
         }
         Command::Movie(mut arguments) => {
             arguments.source.hold(run, database);

@@ -187,7 +187,7 @@ fn execute(command: Command) -> Result<()> {
         Command::Connect(arguments) => connect::connect(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),
-        Command::Plot(arguments) => pictures::plot::plot(&arguments),
+        Command::Plot(mut arguments) => pictures::plot::plot(&mut arguments),
         Command::Movie(arguments) => pictures::movie::movie(&arguments),
         Command::Measure(arguments) => measure::measure(*arguments),
         Command::Export(arguments) => export::export(&arguments),

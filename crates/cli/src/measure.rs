@@ -207,7 +207,7 @@ impl Arguments {
                 material.id
             )
         });
-        let flat = self.source.plan(trial).filter(Plan::queues).map(|_| Rule::FlatPush.text());
+        let flat = self.source.plan(trial).filter(Plan::queues).map(|_| Rule::FlatPush.message().text);
         stiff.into_iter().chain(flat).collect()
     }
 

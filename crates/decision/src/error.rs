@@ -1,5 +1,6 @@
 //! Errors of a `decision.toml` and of its plan.
 
+use lemons_core::message::Message;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::FARTHEST;
 use thiserror::Error;
@@ -18,6 +19,8 @@ const GREATEST: f64 = 1e9;
 #[allow(missing_docs)] // the messages say it
 pub enum PlanError {
     #[error("{0}")]
+    Impossible(Message),
+    #[error("{0}")]
     Toml(String),
     #[error("{place}: {key} = {value}: must be {must}")]
     Value { place: String, key: &'static str, value: String, must: &'static str },
@@ -28,8 +31,6 @@ pub enum PlanError {
          `balance`, `waypoints = []` there says that it stands)"
     )]
     NoWaypoint(String),
-    #[error("there are no agents")]
-    Empty,
     #[error("[{key}]: the model is another one: say `model = \"{key}\"`, or leave this section out")]
     OtherModel { key: &'static str },
     #[error("[{key}]: the balance is another one: say `balance = \"{key}\"`, or leave this section out")]
@@ -75,16 +76,21 @@ pub enum PlanError {
     GroupParts { one: String, other: String },
     #[error("{0} exits and goals; at most {MOST_TARGETS} are allowed")]
     TooManyTargets(usize),
-    #[error("{place}: lies on walls, or is shut in by them: nobody can reach it from anywhere")]
-    Shut { place: String },
     #[error("agent {agent:?}: {count} way-points; at most {MOST_WAYPOINTS} are allowed")]
     TooManyWaypoints { agent: String, count: usize },
-    #[error("agent {agent:?} at ({x}, {y}) m: no way leads to {to}: walls are between")]
-    NoWay { agent: String, x: String, y: String, to: String },
     #[error(
         "the walls, people, exits and goals lie in an area of {0} m: too large to find ways in it; are they in metres?"
     )]
     TooLarge(String),
+}
+
+lemons_core::sentences! {
+    EMPTY "plan.empty" "there are no agents";
+    SHUT "plan.shut" "{place}: lies on walls, or is shut in by them: nobody can reach it from anywhere";
+    NO_WAY "plan.no-way" "agent {agent:?} at ({x:.2}, {y:.2}) m: no way leads to {to}: walls are between";
+    EXIT "plan.exit" "exit {name:?}";
+    GOAL "plan.goal" "goal {name:?}";
+    ANY_EXIT "plan.any-exit" "any exit ({names})";
 }
 
 impl PlanError {

@@ -50,7 +50,7 @@ pub use config::{
     AgentConfig, BalanceName, DECISION_FILE, DecisionConfig, GroupsConfig, TargetConfig, WayConfig,
 };
 pub use decision::Decision;
-pub use error::PlanError;
+pub use error::{ALL as SENTENCES, PlanError};
 pub use plan::{DEFAULT_SPEED, Plan};
 pub use spread::Spread;
 pub use walking_model::WalkingModelName;

@@ -1,7 +1,8 @@
 //! Exits and goals: lines and areas to which people walk around walls.
 
-use crate::error::PlanError;
+use crate::error::{EXIT, GOAL, PlanError};
 use crate::field::{Doors, Field, Gates, Grid, LAST};
+use lemons_core::message::{Message, message};
 use lemons_core::plane::{InPlane, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
 use lemons_core::trial::OpeningTimes;
 use serde::{Deserialize, Serialize};
@@ -69,8 +70,8 @@ pub enum Destination {
 
 impl Target {
     /// Returns what it is, and its name, for messages.
-    pub(crate) fn label(&self) -> String {
-        format!("{} {:?}", if self.stay { "goal" } else { "exit" }, self.name)
+    pub(crate) fn label(&self) -> Message {
+        if self.stay { message!(GOAL, name = &self.name) } else { message!(EXIT, name = &self.name) }
     }
 
     /// Returns whether people can leave by it at a time \[s\].

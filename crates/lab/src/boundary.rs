@@ -2,11 +2,12 @@
 //!
 //! The worker, or the page, calls [`lab_room`] and writes a request there: its length as JSON (4 bytes, little-endian),
 //! the JSON, and further bytes. [`lab_ask`] answers and returns where: the length of the answer is at [`lab_length`]. It
-//! is built in the same way; its JSON is `{"ok": …}` or `{"refused": "…"}`. While people are placed, it calls `lab_progress` of the
+//! is built in the same way; its JSON is `{"ok": …}` or `{"refused": …}` with a message. While people are placed, it calls `lab_progress` of the
 //! module `page`, which returns whether to stop.
 
-use crate::{Lab, Reply, Request};
+use crate::{Lab, Refused, Reply, Request};
 use lemons_core::files::words::shortened;
+use lemons_core::message::Message;
 use lemons_people::placing::PlacingProgress;
 use serde_json::{Value, json};
 use std::cell::RefCell;
@@ -59,12 +60,15 @@ pub extern "C" fn lab_length() -> usize {
 /// Answers a request as it lies in memory.
 pub fn answer(lab: &mut Lab, request: &[u8], watch: &mut lemons_people::placing::Watch) -> Vec<u8> {
     let reply = match parts(request) {
-        Ok((request, bytes)) => lab.answer(&request, bytes, watch).map_err(|refused| refused.0),
-        Err(error) => Err(error),
+        Ok((request, bytes)) => lab.answer(&request, bytes, watch).map_err(|Refused(why)| why),
+        Err(error) => Err(error.into()),
     };
     match reply {
         Ok(Reply { value, bytes }) => joined(&json!({ "ok": value }), &bytes),
-        Err(refused) => joined(&json!({ "refused": shortened(&refused) }), &[]),
+        Err(why) => {
+            let text = shortened(&why.text).into_owned();
+            joined(&json!({ "refused": Message { text, ..why } }), &[])
+        }
     }
 }
 

@@ -4,6 +4,8 @@ use crate::loaded::{LoadedTrial, PlacedCrowd, UneditedTrial};
 use crate::reply::{told, words};
 use crate::{Refused, room, within};
 use lemons_core::files::source::Memory;
+use lemons_core::message::message;
+use lemons_core::rule::parts::OF;
 use lemons_people::CrowdStatistics;
 use lemons_people::placing::Watch;
 use lemons_scenario::{Scenario, ScenarioDocuments};
@@ -37,7 +39,7 @@ pub fn of_file(path: &Path, files: &Memory, watch: &mut Watch) -> Result<Unedite
     let scenario = Scenario::read(files, path).map_err(told)?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     documents_of(&scenario, name, files, watch)
-        .map_err(|Refused(why)| Refused(format!("{}: {why}", path.display())))
+        .map_err(|Refused(why)| Refused(message!(OF, of = path.display().to_string(), finding = why)))
 }
 
 fn documents_of(
@@ -59,7 +61,7 @@ fn documents_of(
         largest_overlap: packing.largest_overlap,
         statistics: CrowdStatistics::of(&agents),
     };
-    let notes = notes.iter().map(|note| words(note)).collect();
+    let notes = notes.iter().map(|note| words(note).into()).collect();
     let mut loaded = LoadedTrial::alone(trial, Some(agents));
     loaded.push(drive);
     Ok(UneditedTrial {

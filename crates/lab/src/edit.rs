@@ -3,8 +3,10 @@
 use crate::frame::overlapping;
 use crate::loaded::LoadedTrial;
 use crate::person::PersonRequest;
+use crate::reply::{NO_SUCH_ID, NOBODY_LEFT, OVERLAPS, OVERLAPS_WALL, TOO_MANY_EDITS};
 use crate::{Refused, require, room, within};
 use crowd_mechanics::setup::Setup;
+use lemons_core::message::{Message, message};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{Agent, AgentDynamics, Interactions, Trial};
 use lemons_people::room::Room;
@@ -45,12 +47,12 @@ pub fn edited(
     edits: &[Edit],
     crowd: Option<&Scenario>,
 ) -> Result<LoadedTrial, Refused> {
-    require(edits.len() <= MOST, || format!("{} changes by hand: at most {MOST}", edits.len()))?;
+    require(edits.len() <= MOST, || message!(TOO_MANY_EDITS, count = edits.len(), most = MOST))?;
     for edit in edits {
         change(&mut loaded, edit, crowd)?;
         loaded.trial.interactions = Interactions::default();
     }
-    require(!loaded.trial.agents.is_empty(), || "nobody would be left".to_owned())?;
+    require(!loaded.trial.agents.is_empty(), || message!(NOBODY_LEFT))?;
     if crowd.is_some() && !edits.is_empty() {
         choose_mechanical_step(&mut loaded.trial);
     }
@@ -74,7 +76,7 @@ pub fn fitting(
     before: &LoadedTrial,
     edits: &[Edit],
     crowd: Option<&Scenario>,
-) -> Result<(LoadedTrial, BTreeMap<usize, String>), Refused> {
+) -> Result<(LoadedTrial, BTreeMap<usize, Message>), Refused> {
     let mut left_out = BTreeMap::new();
     loop {
         let mut made = Vec::new();
@@ -98,8 +100,8 @@ pub fn fitting(
         let Some(((_, wall, depth), id)) = deepest.filter(|((_, _, depth), _)| *depth > 0.0) else {
             return Ok((loaded, left_out));
         };
-        let whom = if wall { "a wall or somebody" } else { "somebody" };
-        let why = format!("person {id:?} would overlap {whom} by {:.1} mm", 1e3 * depth);
+        let depth = 1e3 * depth;
+        let why = if wall { message!(OVERLAPS_WALL, id, depth) } else { message!(OVERLAPS, id, depth) };
         for (k, _) in edits.iter().enumerate().filter(|(_, edit)| edit.put() == Some(id)) {
             left_out.entry(k).or_insert_with(|| why.clone());
         }
@@ -119,7 +121,7 @@ impl Edit {
 fn change(loaded: &mut LoadedTrial, edit: &Edit, crowd: Option<&Scenario>) -> Result<(), Refused> {
     let place_of = |id: &String| {
         let place = loaded.trial.agents.iter().position(|agent| agent.id == *id);
-        place.ok_or_else(|| Refused(format!("there is nobody with the Id {id:?}")))
+        place.ok_or_else(|| Refused(message!(NO_SUCH_ID, id)))
     };
     match edit {
         Edit::Room { room } => {
@@ -159,7 +161,7 @@ fn change(loaded: &mut LoadedTrial, edit: &Edit, crowd: Option<&Scenario>) -> Re
 /// A person of the material of the first one, driven like it.
 fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, AgentDynamics), Refused> {
     let first = trial.agents.first().zip(trial.dynamics.first());
-    let (first, drive) = first.ok_or_else(|| Refused("nobody would be left".into()))?;
+    let (first, drive) = first.ok_or_else(|| Refused(message!(NOBODY_LEFT)))?;
     let mut shape = Shape::of(person)?;
     if round {
         shape = lemons_scenario::round(&shape);

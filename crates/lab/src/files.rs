@@ -109,13 +109,13 @@ pub fn file(wanted: &FileRequest, run: &LabRun, bytes: &[u8], watch: &mut Watch)
             let format = match version {
                 2 => FmuFormat::Fmi2(Naming::default()),
                 3 => FmuFormat::Fmi3,
-                _ => return Err(Refused(format!("FMI {version}: the versions are 2 and 3"))),
+                _ => return Err(Refused::from(format!("FMI {version}: the versions are 2 and 3"))),
             };
             named(".fmu", fmu(of, format, &split(binaries, bytes)?)?)
         }
         FileRequest::Population {} => {
             let people = people.as_ref().ok_or_else(|| {
-                Refused("only the measures of people that the lab has drawn are known: make a crowd".into())
+                Refused::from("only the measures of people that the lab has drawn are known: make a crowd")
             })?;
             named("_people.csv", crowd_csv(people).into_bytes())
         }
@@ -167,7 +167,7 @@ fn mesh(run: &LabRun, bytes: &[u8]) -> Result<Vec<MeshPart>, Refused> {
     let (frame, bodies, mut parts) = (frame(bytes, people)?, run.bodies()?, Vec::new());
     for (place, at) in frame.present() {
         let agent = &run.loaded.trial.agents[place];
-        let none = || Refused(format!("agent {}: no body fits its disks", agent.id));
+        let none = || Refused::from(format!("agent {}: no body fits its disks", agent.id));
         let figure = bodies[place].as_ref().ok_or_else(none)?;
         parts.extend(figure.surfaces(&agent.id, &at.pose));
     }
@@ -177,7 +177,7 @@ fn mesh(run: &LabRun, bytes: &[u8]) -> Result<Vec<MeshPart>, Refused> {
 /// A picture of a frame, and a number for each agent.
 fn svg(wanted: &PictureStyle, run: &LabRun, bytes: &[u8]) -> Result<String, Refused> {
     let (trial, people) = (&run.loaded.trial, run.people());
-    let short = || Refused("the picture needs a frame, and a number for each agent".into());
+    let short = || Refused::from("the picture needs a frame, and a number for each agent");
     let (shown, values) = bytes.split_at_checked(bytes.len().saturating_sub(8 * people)).ok_or_else(short)?;
     let frame = Frame { time: wanted.time, ..frame(shown, people)? };
     let mut scene = PictureScene::new(trial, frame.agents.iter().map(|motion| motion.pose).collect());

@@ -100,7 +100,7 @@ pub fn overlaps(trial: &Trial, agent: usize, [x, y, theta]: [f64; 3]) -> Result<
     let mut trial = trial.clone();
     let here =
         trial.dynamics.get_mut(agent).filter(|_| [x, y, theta].iter().all(|number| number.is_finite()));
-    let here = here.ok_or_else(|| Refused(format!("there is no agent {agent} there")))?;
+    let here = here.ok_or_else(|| Refused::from(format!("there is no agent {agent} there")))?;
     (here.position, here.theta) = (vec2(x, y), theta);
     // Springs that the Trial remembers are of other places.
     trial.interactions = Interactions::default();

@@ -39,13 +39,14 @@ pub mod source;
 pub mod typescript;
 pub mod upload;
 
+use lemons_core::message::Message;
 use lemons_core::require;
-use lemons_core::trial::Rule;
+use lemons_core::trial::{Problem, Rule};
 use lemons_people::placing::Watch;
 use lemons_sim::lint::{self, Files};
 use loaded::UneditedTrial;
 use reply::within;
-pub use reply::{Refused, Reply};
+pub use reply::{ALL as SENTENCES, Refused, Reply};
 use serde::{Deserialize, Serialize};
 use source::TrialSource;
 use std::collections::BTreeMap;
@@ -123,10 +124,12 @@ pub struct SceneRequest {
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 struct Opened {
     scene: scene::Scene,
-    notes: Vec<String>,
+    #[cfg_attr(feature = "typescript", ts(as = "Vec<reply::MessageShown>"))]
+    notes: Vec<Message>,
     made: Option<loaded::PlacedCrowd>,
     /// Changes by hand that do not fit: their places, and why.
-    left_out: Vec<(usize, String)>,
+    #[cfg_attr(feature = "typescript", ts(as = "Vec<(usize, reply::MessageShown)>"))]
+    left_out: Vec<(usize, Message)>,
 }
 
 /// The lab of one page.
@@ -182,7 +185,7 @@ impl Lab {
         let present = self.runs;
         match &mut self.open {
             Some(open) if run == present => Ok(open),
-            _ => Err(Refused(format!("run {run} is over: the present one is {present}"))),
+            _ => Err(Refused::from(format!("run {run} is over: the present one is {present}"))),
         }
     }
 
@@ -211,7 +214,7 @@ impl Lab {
         found
             .retain(|of| of.rule != Rule::DriveAdded || matches!(shown.motion, motion::MotionChoice::Own {}));
         let mut notes = unedited.notes.clone();
-        notes.extend(found.iter().map(ToString::to_string));
+        notes.extend(found.iter().map(Problem::told));
         if edit::room_of(&shown.edits).is_some() {
             notes.extend(room::unfit(&unedited.loaded.trial, &loaded.trial));
         }

@@ -89,7 +89,9 @@ pub fn add(
         {
             known
         }
-        _ => return Err(Refused(format!("frame {from} is not the next one of this limit: begin anew"))),
+        _ => {
+            return Err(Refused::from(format!("frame {from} is not the next one of this limit: begin anew")));
+        }
     };
     for frame in numbers(bytes).chunks(people) {
         let squeeze = frame.iter().map(|&squeeze| squeeze.is_finite().then_some((squeeze, squeeze)));

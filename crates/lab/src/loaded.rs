@@ -1,6 +1,7 @@
 //! A Trial, what is known of its people, and what drives them.
 
 use crate::Refused;
+use lemons_core::message::Message;
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::{DecisionConfig, Plan};
 use lemons_people::{CrowdMember, CrowdStatistics};
@@ -41,7 +42,7 @@ pub struct UneditedTrial {
     /// The Trial.
     pub loaded: LoadedTrial,
     /// Warnings.
-    pub notes: Vec<String>,
+    pub notes: Vec<Message>,
     /// The placing of a crowd.
     pub(crate) placing: Option<PlacedCrowd>,
 }

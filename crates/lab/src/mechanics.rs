@@ -3,7 +3,8 @@
 use crate::{Refused, require};
 use crowd_mechanics::setup;
 use lemons_core::files::source::Memory;
-use lemons_core::trial::{FileNames, Trial};
+use lemons_core::message::Message;
+use lemons_core::trial::{FileNames, Problem, Trial};
 use lemons_people::PART_MATERIALS;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -53,7 +54,7 @@ impl Mechanics {
     /// # Errors
     /// A material or a contact is not there, or the Trial's files would have errors: those that their reader finds, with
     /// file, element, attribute and value.
-    pub fn change(&self, trial: &mut Trial, of_crowd: bool) -> Result<Vec<String>, Refused> {
+    pub fn change(&self, trial: &mut Trial, of_crowd: bool) -> Result<Vec<Message>, Refused> {
         require(self.materials.len().max(self.contacts.len()) <= MOST, || {
             format!("at most {MOST} materials and contacts can be changed")
         })?;
@@ -67,7 +68,7 @@ impl Mechanics {
             if found.is_none() && waits(id) {
                 continue;
             }
-            let found = found.ok_or_else(|| Refused(format!("there is no material {id:?}")))?;
+            let found = found.ok_or_else(|| Refused::from(format!("there is no material {id:?}")))?;
             (found.young_modulus, found.shear_modulus) = (*young_modulus, *shear_modulus);
         }
         for Contact { id1, id2, gamma_normal, gamma_tangential, kinetic_friction } in &self.contacts {
@@ -78,7 +79,7 @@ impl Mechanics {
                 continue;
             }
             let found =
-                found.ok_or_else(|| Refused(format!("there is no contact of {id1:?} and {id2:?}")))?;
+                found.ok_or_else(|| Refused::from(format!("there is no contact of {id1:?} and {id2:?}")))?;
             (found.gamma_normal, found.gamma_tangential) = (*gamma_normal, *gamma_tangential);
             found.kinetic_friction = kinetic_friction.unwrap_or(found.kinetic_friction);
         }
@@ -87,12 +88,12 @@ impl Mechanics {
 }
 
 /// Reads the Trial as another program would.
-fn checked(trial: &Trial) -> Result<Vec<String>, Refused> {
+fn checked(trial: &Trial) -> Result<Vec<Message>, Refused> {
     let (mut files, place) = (Memory::default(), Path::new(&trial.name));
     for (path, text) in trial.texts(place) {
         files.put(&path, text.into_bytes());
     }
     let (_, warnings) = setup::read_from(&files, place, &FileNames::default())?;
     let of_these = |file: &Path| file.ends_with("Parameters.xml") || file.ends_with("Materials.xml");
-    Ok(warnings.iter().filter(|warning| of_these(&warning.file)).map(ToString::to_string).collect())
+    Ok(warnings.iter().filter(|warning| of_these(&warning.file)).map(Problem::told).collect())
 }

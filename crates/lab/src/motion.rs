@@ -2,7 +2,9 @@
 //! kind have the desired speed of their kind.
 
 use crate::loaded::LoadedTrial;
+use crate::reply::NO_WAY;
 use crate::{Refused, require, within};
+use lemons_core::message::message;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;
 use lemons_decision::rule::Waypoint;
@@ -114,5 +116,5 @@ fn config_of_ways(
         ));
     }
     let decision = DecisionConfig::nearest_of(trial, speed, ways);
-    decision.ok_or_else(|| Refused("nobody can walk: there is no way".into()))
+    decision.ok_or_else(|| Refused(message!(NO_WAY)))
 }

@@ -1,10 +1,13 @@
 //! Rooms: an outline, obstacles, further walls, doors. While they are drawn, when they are made, in place of a Trial's
 //! walls, and from a file.
 
-use crate::reply::told;
+#[cfg(feature = "typescript")]
+use crate::reply::MessageShown;
+use crate::reply::{NONE_CLOSED, TOO_MANY_CORNERS, told};
 use crate::{Refused, Reply, require, within};
 use crowd_mechanics::setup::Setup;
 use lemons_core::files::source::Memory;
+use lemons_core::message::{Message, message};
 use lemons_core::plane::{Bounds, Ring, Vec2};
 use lemons_core::trial::{ContactCoefficients, FARTHEST, Geometry, Trial};
 use lemons_people::drawing::{
@@ -106,7 +109,7 @@ fn points(of: &[Vec2]) -> Vec<[f64; 2]> {
 /// Checks how many corners a room has, and how far they and others are.
 fn check(room: &Room, others: Vec<Vec2>, reach: f64) -> Result<(), Refused> {
     let count = room.every_corner().count();
-    require(count <= MOST_CORNERS, || format!("{count} corners: at most {MOST_CORNERS} are allowed"))?;
+    require(count <= MOST_CORNERS, || message!(TOO_MANY_CORNERS, count, most = MOST_CORNERS))?;
     room.every_corner().chain(&others).try_for_each(|corner| {
         within("x of a corner [m]", corner.x, [-reach, reach])?;
         within("y of a corner [m]", corner.y, [-reach, reach]).map(drop)
@@ -141,13 +144,13 @@ pub fn replacing(room: &Room, trial: &Trial) -> Result<Geometry, Refused> {
     let usable = || known.iter().copied().find(|wall| of_people.iter().all(|other| touches(wall, other)));
     let material = trial.geometry.walls.first().map(|wall| &*wall.material_id).or_else(usable);
     let none =
-        || Refused("no material of this Trial has a contact with everybody's: no wall can be added".into());
+        || Refused::from("no material of this Trial has a contact with everybody's: no wall can be added");
     Ok(room.replacing(&trial.geometry, material.ok_or_else(none)?)?)
 }
 
 /// Says what is odd about a Trial with other walls and was not before: people in walls or pillars, or outside.
-pub fn unfit(before: &Trial, after: &Trial) -> Vec<String> {
-    let messages_of = |trial: &Trial| -> Vec<String> {
+pub fn unfit(before: &Trial, after: &Trial) -> Vec<Message> {
+    let messages_of = |trial: &Trial| -> Vec<Message> {
         let advice = Setup::of(trial).advice_as_edited().into_iter();
         advice.map(|problem| problem.message).collect()
     };
@@ -172,7 +175,8 @@ pub(crate) struct Understood {
     /// Those of which some can be chosen as walls.
     layers: Vec<String>,
     /// Why its outline may not be the room.
-    doubt: Option<String>,
+    #[cfg_attr(feature = "typescript", ts(as = "Option<MessageShown>"))]
+    doubt: Option<Message>,
     proposal: Option<Proposed>,
 }
 
@@ -215,7 +219,8 @@ pub(crate) struct GapFound {
     kind: &'static str,
     door: Door,
     outside: bool,
-    said: String,
+    #[cfg_attr(feature = "typescript", ts(as = "MessageShown"))]
+    said: Message,
 }
 
 /// A drawing, or a Geometry.xml, and how it is understood.
@@ -243,7 +248,7 @@ const MOST_DOORS: usize = 100;
 /// there is nothing to propose.
 pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
     let DrawingRequest { name, drawing: form, doors } = wanted;
-    let wrong = |why: String| Refused(format!("{name}: {why}"));
+    let wrong = |why: String| Refused::from(format!("{name}: {why}"));
     require(doors.len() <= MOST_DOORS, || {
         format!("{name}: {} doors: at most {MOST_DOORS} are allowed", doors.len())
     })?;
@@ -285,7 +290,7 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
         if proposal.as_ref().is_none_or(|found| found.ground.is_empty()) {
             return Err(none());
         }
-        doubt = Some(format!("none of its {} walls is closed, so nothing is inside", plan.walls.len()));
+        doubt = Some(message!(NONE_CLOSED, count = plan.walls.len()));
     }
     let lines = room.as_ref().map_or_else(|| Ok(Vec::new()), Room::lines)?;
     let doors: BTreeMap<usize, Door> = plan.doors().into_iter().collect();

@@ -5,6 +5,7 @@ use crate::kinds;
 use crate::mechanics::{Contact, Material2d};
 use crate::run::LabRun;
 use crowd_mechanics::setup::Setup;
+use lemons_core::message::Message;
 use lemons_core::trial;
 use lemons_decision::rule::Waypoint;
 use lemons_decision::target::Target;
@@ -34,7 +35,8 @@ pub(crate) struct Scene {
     /// About how large errors of positions are with the mechanical step.
     error: Option<f64>,
     /// Of changed materials and steps.
-    pub warnings: Vec<String>,
+    #[cfg_attr(feature = "typescript", ts(as = "Vec<crate::reply::MessageShown>"))]
+    pub warnings: Vec<Message>,
     materials: Vec<Material2d>,
     contacts: Vec<Contact<f64>>,
     /// Agents that overlap others or walls at the start.

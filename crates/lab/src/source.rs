@@ -70,7 +70,7 @@ pub fn split<'a>(files: &'a [(String, usize)], bytes: &'a [u8]) -> Result<Vec<(&
     let part = |(name, length): &'a (String, usize)| {
         let (part, others) = rest
             .split_at_checked(*length)
-            .ok_or_else(|| Refused(format!("{name}: its content is missing: open it again")))?;
+            .ok_or_else(|| Refused::from(format!("{name}: its content is missing: open it again")))?;
         rest = others;
         Ok((&**name, part))
     };

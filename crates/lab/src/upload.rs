@@ -1,11 +1,13 @@
 //! A zip or a folder -> a Trial; and the Trials that come with the lab.
 
 use crate::loaded::{LoadedTrial, UneditedTrial};
+use crate::reply::{NO_PARAMETERS, NOT_TAKEN, TOO_MANY_PEOPLE};
 use crate::{Refused, require};
 use crowd_mechanics::setup;
 use lemons_core::files::input::{self, Bounded};
 use lemons_core::files::source::{FileSource, Memory};
-use lemons_core::trial::{DRIVE_FILE, DriveTable, FileNames, Parameters};
+use lemons_core::message::{Message, message};
+use lemons_core::trial::{DRIVE_FILE, DriveTable, FileNames, Parameters, Problem};
 use lemons_decision::DECISION_FILE;
 use std::io::{Cursor, Read as _};
 use std::path::{Component, Path, PathBuf};
@@ -42,7 +44,7 @@ pub const EXAMPLES: [(&str, &[(&str, &str)]); 1] = [(
 /// There is none with this name.
 pub fn example(name: &str) -> Result<UneditedTrial, Refused> {
     let known = EXAMPLES.iter().find(|example| example.0 == name);
-    let (name, texts) = known.ok_or_else(|| Refused(format!("there is no example {name:?}")))?;
+    let (name, texts) = known.ok_or_else(|| Refused::from(format!("there is no example {name:?}")))?;
     let mut files = Memory::default();
     for (path, text) in *texts {
         files.put(&Path::new(name).join(path), text.as_bytes().to_vec());
@@ -73,12 +75,11 @@ pub fn scenario(name: &str, files: &[(&str, &[u8])]) -> Result<Option<(PathBuf, 
     let path = match found[..] {
         [] => return Ok(None),
         [path] => path,
-        ref several => *several
-            .iter()
-            .find(|path| path.ends_with(NAMED))
-            .ok_or_else(|| Refused(format!("{name}: there are several .toml: call the scenario {NAMED}")))?,
+        ref several => *several.iter().find(|path| path.ends_with(NAMED)).ok_or_else(|| {
+            Refused::from(format!("{name}: there are several .toml: call the scenario {NAMED}"))
+        })?,
     };
-    check(files).map_err(|why| Refused(format!("{name}: {why}")))?;
+    check(files).map_err(|why| Refused::from(format!("{name}: {why}")))?;
     let mut memory = Memory::default();
     files.iter().for_each(|(path, file)| memory.put(Path::new(path), file.to_vec()));
     Ok(Some((path.to_owned(), memory)))
@@ -141,7 +142,7 @@ fn listed(paths: &[impl AsRef<Path>]) -> String {
 /// It is too large, it holds no Trial or several, or the Trial has errors: all of them, with file, element, attribute and
 /// value.
 pub fn open(name: &str, files: &[(&str, &[u8])], largest: u64) -> Result<UneditedTrial, Refused> {
-    let wrong = |why: String| Refused(format!("{name}: {why}"));
+    let wrong = |why: String| Refused::from(format!("{name}: {why}"));
     let mut content = content(files, largest).map_err(wrong)?;
     let (mut notes, parameters) = (Vec::new(), content.place("Parameters.xml").map_err(wrong)?);
     // Without a directory of its own, it is called as its zip.
@@ -152,7 +153,7 @@ pub fn open(name: &str, files: &[(&str, &[u8])], largest: u64) -> Result<Unedite
     };
     let others: Vec<_> = content.others.iter().filter(|path| path.starts_with(&place)).collect();
     if !others.is_empty() {
-        notes.push(format!("not used here, and not taken along: {}", listed(&others)));
+        notes.push(message!(NOT_TAKEN, files = listed(&others)));
     }
     let mut read = read(&content.files, &place, notes)?;
     if nameless {
@@ -206,7 +207,7 @@ const TIME_STEP: f64 = 0.01;
 const SHORT_STEP: f64 = 1e-4;
 
 /// Adds the Parameters.xml of a Trial that has none, and returns its directory.
-fn with_parameters(content: &mut Content, notes: &mut Vec<String>) -> Result<PathBuf, String> {
+fn with_parameters(content: &mut Content, notes: &mut Vec<Message>) -> Result<PathBuf, String> {
     let only = |name: &str| {
         let none = || format!("it has no Parameters.xml and no {name}, so there is no Trial in it");
         content.place(name)?.ok_or_else(none)
@@ -225,25 +226,21 @@ fn with_parameters(content: &mut Content, notes: &mut Vec<String>) -> Result<Pat
         time_step_mechanical: SHORT_STEP,
     };
     content.files.put(&common.join("Parameters.xml"), parameters.xml().into_bytes());
-    notes.push(format!(
-        "it has no Parameters.xml: the communication step is {TIME_STEP} s, the mechanical step {SHORT_STEP} s"
-    ));
+    notes.push(message!(NO_PARAMETERS, step = TIME_STEP, mechanical = SHORT_STEP));
     Ok(common)
 }
 
-fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<UneditedTrial, Refused> {
+fn read(files: &Memory, place: &Path, mut notes: Vec<Message>) -> Result<UneditedTrial, Refused> {
     let (trial, warnings) = setup::read_from(files, place, &FileNames::default())?;
     let people = trial.agents.len();
-    require(people <= MOST_PEOPLE, || {
-        format!("{people} people are too many for a page: at most {MOST_PEOPLE}")
-    })?;
+    require(people <= MOST_PEOPLE, || message!(TOO_MANY_PEOPLE, people, most = MOST_PEOPLE))?;
     let text = |name: &str| {
         let path = place.join(name);
         if files.lacks(&path) {
             return Ok(String::new());
         }
         let bytes = files.read(&path, LARGEST_CONTENT)?;
-        String::from_utf8(bytes).map_err(|error| Refused(format!("{}: {error}", path.display())))
+        String::from_utf8(bytes).map_err(|error| Refused::from(format!("{}: {error}", path.display())))
     };
     let mut loaded = LoadedTrial {
         drive: text(DRIVE_FILE)?,
@@ -255,6 +252,6 @@ fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<Unedited
             .and_then(|table| table.check_agents(Some(&loaded.trial)).map(|()| table));
         loaded.table = table.map_err(|error| error.of_file(&place.join(DRIVE_FILE)))?;
     }
-    notes.extend(warnings.iter().map(ToString::to_string));
+    notes.extend(warnings.iter().map(Problem::told));
     Ok(UneditedTrial { loaded, notes, placing: None })
 }

@@ -4,7 +4,7 @@
 
 use crate::anthropometry::ansur;
 use crate::bicycle::Bicycle;
-use crate::error::{PeopleError, Result, require};
+use crate::error::{NO_SHARES, PeopleError, Result, require};
 use crate::growth::{AGES, child};
 use crate::materials::{FRAME, PART_MATERIALS};
 use crate::person::{Person, Sex};
@@ -12,6 +12,7 @@ use crate::random::Random;
 use crate::shape::Shape;
 use lemons_core::distribution::{Distribution, inverse};
 use lemons_core::files::words;
+use lemons_core::message::message;
 use lemons_core::plane::{Disk, Vec2, union, vec2};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -194,7 +195,7 @@ impl Kinds {
     /// There is no such kind, a share is negative or not finite, or all are 0.
     pub fn mix(&self, shares: &BTreeMap<String, f64>) -> Result<Vec<(Arc<PersonKind>, f64)>> {
         let sum: f64 = shares.values().sum();
-        require(sum > 0.0 && sum.is_finite(), || "the shares must sum up to more than 0".to_owned())?;
+        require(sum > 0.0 && sum.is_finite(), || message!(NO_SHARES))?;
         let one = |(name, &share): (&String, &f64)| {
             require(share >= 0.0, || format!("the share of {name:?} = {share}: must not be negative"))?;
             let kind = self.0.get(name).ok_or_else(|| {

@@ -36,7 +36,7 @@ pub use copula::Correlations;
 pub use cover::{Cover, MOST_COVERING, cover};
 pub use custom::Custom;
 pub use doors::{Door, closed_walls, cut_doors, cut_doors_in_all, nearest_wall};
-pub use error::PeopleError;
+pub use error::{ALL as SENTENCES, PeopleError};
 pub use kinds::{BICYCLE, BodyDisk, BodyStatistics, KindPart, Kinds, Member, PartOrigin, PersonKind, Solid};
 pub use lemons_core::distribution::{Distribution, Range, TruncatedNormal};
 pub use lemons_core::plane::is_closed;

@@ -5,7 +5,7 @@ use crowd_mechanics::setup;
 use lemons_core::files::input;
 use lemons_core::files::source::Memory;
 use lemons_core::files::words::shortened;
-use lemons_core::trial::{DriveChoice, DriveTable, FileNames, ShapeElement, Trial};
+use lemons_core::trial::{DriveChoice, DriveTable, FileNames, Problem, ShapeElement, Trial};
 use lemons_decision::{DecisionConfig, Plan};
 use lemons_master::{DecisionChoice, documents_of, whole};
 use lemons_sim::Documents;
@@ -21,6 +21,16 @@ pub fn short(error: impl std::fmt::Display) -> String {
     shortened(&error.to_string()).into_owned()
 }
 
+/// A finding: its line, the id of its rule, severity, where it is, and what is said of it.
+pub type Found = (String, String, String, String, String);
+
+/// Returns a finding for Python.
+pub fn found(problem: &Problem) -> Found {
+    let (id, place) = (problem.rule.row().id.to_owned(), problem.place());
+    let place = place.trim_end_matches(": ").to_owned();
+    (short(problem), id, problem.severity().to_string(), place, short(&problem.message))
+}
+
 /// A Trial with its drive and its `decision.toml`, read and checked. It can be pickled.
 #[pyclass(name = "Model", frozen, module = "lemons_fmu._native")]
 pub struct PyModel {
@@ -30,7 +40,7 @@ pub struct PyModel {
     decision: Option<PathBuf>,
     /// Warnings of what is probably not meant.
     #[pyo3(get)]
-    warnings: Vec<String>,
+    warnings: Vec<Found>,
 }
 
 /// The texts of a model: name and directory of the Trial, its files, the drive as CSV, and its decision.toml.
@@ -60,12 +70,12 @@ impl PyModel {
         let files = Files::chosen(&path, &DriveChoice::Own, decision.as_deref());
         problems.extend(lint::of_documents(&documents, &files));
         problems.extend(lint::of_step(&documents, documents.trial.parameters.time_step, &files));
-        Ok(PyModel { documents, decision, warnings: problems.iter().map(short).collect() })
+        Ok(PyModel { documents, decision, warnings: problems.iter().map(found).collect() })
     }
 
     /// Makes the model of its texts.
     #[staticmethod]
-    fn of_texts(texts: Texts, decision: Option<PathBuf>, warnings: Vec<String>) -> PyResult<PyModel> {
+    fn of_texts(texts: Texts, decision: Option<PathBuf>, warnings: Vec<Found>) -> PyResult<PyModel> {
         let (name, directory, files, drive, toml) = texts;
         let mut memory = Memory::default();
         files.into_iter().for_each(|(path, text)| memory.put(&path, text.into_bytes()));
@@ -126,7 +136,7 @@ impl PyModel {
 }
 
 /// The parts of a model: its texts, the path of its `decision.toml`, warnings.
-type Parts = (Texts, Option<PathBuf>, Vec<String>);
+type Parts = (Texts, Option<PathBuf>, Vec<Found>);
 
 /// Said of an FMU that has no Trial.
 const OTHER_FMU: &str = "; here the Trial in the FMU of a crowd is simulated: any other FMU runs with FMPy \

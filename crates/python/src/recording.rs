@@ -1,7 +1,7 @@
 //! A run under way, and what is recorded of it.
 
 use crate::arrays::{append, numbers_of_each};
-use crate::model::short;
+use crate::model::{Found, found};
 use crate::simulation::{PySimulation, check_finite, check_shape, condition, in_order, refused, until_of};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_decision::Plan;
@@ -151,14 +151,14 @@ impl Recording {
     }
 
     /// Returns what is found at the end of a run; `whole`: it began with the crowd.
-    fn findings(&self, simulation: &PySimulation, whole: bool) -> Vec<String> {
+    fn findings(&self, simulation: &PySimulation, whole: bool) -> Vec<Found> {
         let world = simulation.simulation.world();
         let forces: Option<Vec<_>> = world.map(|world| world.drive.iter().map(|drive| drive.force).collect());
-        let found = simulation
+        let all = simulation
             .plan
             .iter()
             .flat_map(|plan| self.recorded.end.findings(plan, forces.as_deref(), whole));
-        found.map(short).collect()
+        all.map(|problem| found(&problem)).collect()
     }
 
     /// Makes at most so many steps, for about so long \[s\].

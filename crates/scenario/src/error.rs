@@ -1,5 +1,6 @@
 //! Errors of scenarios.
 
+use lemons_core::message::Message;
 pub(crate) use lemons_core::require;
 use lemons_people::PeopleError;
 use std::fmt::Display;
@@ -12,7 +13,7 @@ pub enum ScenarioError {
     Misused(String),
     /// A value that is not possible: what, and why.
     #[error("{0}")]
-    Impossible(String),
+    Impossible(Message),
     /// A file that cannot be read, is no TOML, or has unknown keys or values of another type.
     #[error("{0}")]
     Toml(String),
@@ -22,7 +23,7 @@ pub enum ScenarioError {
         /// Ground and packing.
         place: String,
         /// How many are wanted, and how many fit.
-        what: String,
+        what: Message,
         /// Advice.
         hint: String,
     },
@@ -55,13 +56,27 @@ pub fn with_names(text: &str, name: impl Fn(&str) -> Option<String>) -> String {
 
 /// Makes an error of a message.
 pub(crate) fn impossible(message: impl ToString) -> ScenarioError {
-    ScenarioError::Impossible(message.to_string())
+    message.to_string().into()
+}
+
+impl From<Message> for ScenarioError {
+    fn from(message: Message) -> ScenarioError {
+        ScenarioError::Impossible(message)
+    }
 }
 
 impl From<String> for ScenarioError {
     fn from(message: String) -> ScenarioError {
-        ScenarioError::Impossible(message)
+        ScenarioError::Impossible(message.into())
     }
+}
+
+lemons_core::sentences! {
+    NO_ROOM "people.no-room" "{count} people do not fit on {area:.2} m² without overlap; about {about} of them do, {clear:.1} per m²";
+    NUMBER "people.number" "{all} people: the number must be 1 to {most}";
+    ROUND "people.round" "round bodies are of adults with nothing: take no mix of kinds and no bicycles, or no round bodies";
+    OUTSIDE "people.outside" "`regions`: more than half of one lies outside the room";
+    NOBODY_PUSHED "push.nobody" "push {push}: nobody stands in its circle";
 }
 
 /// Checks that keys fit together.
@@ -88,6 +103,6 @@ impl<T> Of<T> for Result<T, PeopleError> {
 
 impl From<PeopleError> for ScenarioError {
     fn from(error: PeopleError) -> ScenarioError {
-        impossible(error)
+        error.told().into()
     }
 }

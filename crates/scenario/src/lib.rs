@@ -11,16 +11,17 @@ mod people;
 mod place;
 mod push;
 
-pub use error::{Result, ScenarioError, with_names};
+pub use error::{ALL as SENTENCES, Result, ScenarioError, with_names};
 pub use forms::{DoorForm, DrawingForm, OrientationName, RegionForm, Share, TwoNumbers};
 pub use leave::own_speeds;
 pub use people::{Crowd, Four, People, Ready, round};
 pub use place::{Ground, WalkableRoom};
 pub use push::{Push, drive};
 
-use error::{Of, fits, impossible, require, within};
+use error::{Of, ROUND, fits, impossible, require, within};
 use lemons_core::files::source::FileSource;
 use lemons_core::files::{input, words};
+use lemons_core::message::message;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{DRIVE_FILE, DriveTable, FARTHEST, Trial};
 use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
@@ -53,8 +54,6 @@ const RANGES: &[NumberRow] = &[
     ("panel_length", [0.01, 1e4], |of| of.panel_length),
     ("groups", [0.0, 1.0], |of| of.decision.groups.as_ref()?.share),
 ];
-const ROUND: &str =
-    "round bodies are of adults with nothing: take no mix of kinds and no bicycles, or no round bodies";
 /// The material of walls that are made.
 pub const WALLS: &str = "concrete";
 
@@ -301,7 +300,7 @@ impl Scenario {
         require(SKINS.contains(&self.material()), || {
             format!("`material` = {:?}: must be one of {}", self.material(), SKINS.join(", "))
         })?;
-        require(!self.round || self.mix.is_empty(), || ROUND.to_owned())?;
+        require(!self.round || self.mix.is_empty(), || message!(ROUND))?;
         for (key, count) in [("doors", doors.len()), ("regions", regions.len()), ("pushes", pushes.len())] {
             require(count <= MOST_PARTS, || format!("`{key}`: {count} are more than {MOST_PARTS}"))?;
         }

@@ -1,11 +1,12 @@
 //! People: drawn, placed, and made a Trial.
 
-use crate::error::{Of, Result, ScenarioError, fits, impossible, require};
+use crate::error::{NO_ROOM, NUMBER, Of, ROUND, Result, ScenarioError, fits, impossible, require};
 use crate::forms::{self, OrientationName};
 use crate::place::{Ground, WalkableRoom};
-use crate::{MOST_PEOPLE, ROUND, Scenario, ScenarioDocuments, drive};
+use crate::{MOST_PEOPLE, Scenario, ScenarioDocuments, drive};
 use lemons_core::files::input;
 use lemons_core::files::source::FileSource;
+use lemons_core::message::message;
 use lemons_core::plane::{Pose, Vec2};
 use lemons_decision::Plan;
 use lemons_people::placing::{
@@ -173,7 +174,7 @@ impl Scenario {
         };
         let of_file = custom.as_deref().filter(|_| self.pedestrians.is_none());
         let whose = of_file.unwrap_or("`pedestrians`");
-        require(!self.round || mix.is_empty() && pedestrians == 1.0, || ROUND.to_owned())?;
+        require(!self.round || mix.is_empty() && pedestrians == 1.0, || message!(ROUND))?;
         let population = match kinds.get(BICYCLE) {
             Some(bicycle) => population.with_riders(pedestrians, bicycle.clone()).of(whose)?,
             None => population,
@@ -247,7 +248,7 @@ impl Scenario {
     pub fn ready(&self, population: &Population, place: WalkableRoom, most: u32) -> Result<Ready<'_>> {
         let numbers = self.numbers(&place)?;
         let all = numbers.iter().sum::<usize>();
-        require(all <= most as usize, || format!("{all} people: the number must be 1 to {most}"))?;
+        require(all <= most as usize, || message!(NUMBER, all, most = most as usize))?;
         let agents = population.agents(self.seed()).take(all).collect();
         Ok(Ready { scenario: self, place, numbers, agents })
     }
@@ -295,9 +296,7 @@ impl Scenario {
             )));
         }
         let about = (area * clear).floor();
-        let what = format!(
-            "{count} people do not fit on {area:.2} m² without overlap; about {about} of them do, {clear:.1} per m²"
-        );
+        let what = message!(NO_ROOM, count, area, about, clear);
         let mut hint = String::new();
         if tried.len() == count {
             hint = format!("; the others overlap by up to {overlap:.2} mm (`allow_overlap` writes it so)");

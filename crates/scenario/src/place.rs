@@ -1,9 +1,10 @@
 //! Ground where people stand: the walls of the room, its doors, and the ground that walls leave.
 
-use crate::error::{Of, Result, ScenarioError, fits, impossible, require};
+use crate::error::{OUTSIDE, Of, Result, ScenarioError, fits, impossible, require};
 use crate::forms::{RegionForm, TwoNumbers};
 use crate::{Scenario, WALLS};
 use lemons_core::files::source::FileSource;
+use lemons_core::message::message;
 use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use lemons_people::drawing::outside::inside;
@@ -199,7 +200,7 @@ impl Scenario {
         fits(self.ways_out() + doors.len() + drawn_exits > 0, || NO_WAY_OUT.into())?;
         if let Some(room) = &self.room {
             let within = grounds.iter().all(|ground| !has_regions || !ground.free.rooms.is_empty());
-            require(within, || "`regions`: more than half of one lies outside the room".to_owned())?;
+            require(within, || message!(OUTSIDE))?;
             let lines = room.lines().of("`room`")?;
             let geometry = Room { doors: doors.clone(), ..room.clone() }.with_doors(geometry).of("`room`")?;
             return Ok(WalkableRoom { grounds, geometry, lines, name, has_regions, drawn, doors, notes });

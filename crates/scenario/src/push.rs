@@ -1,7 +1,8 @@
 //! Pushes: pulses on all who stand in a circle.
 
-use crate::error::{Result, require, within};
+use crate::error::{NOBODY_PUSHED, Result, require, within};
 use crate::forms::TwoNumbers;
+use lemons_core::message::message;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{DriveTable, EVER, Trial, half_sine};
 use lemons_people::heading;
@@ -65,7 +66,7 @@ pub fn drive(trial: &Trial, pushes: &[Push]) -> Result<DriveTable> {
     for (k, push) in pushes.iter().enumerate() {
         push.check()?;
         let reached = trial.dynamics.iter().any(|here| push.reaches(here.position));
-        require(reached, || format!("push {}: nobody stands in its circle", k + 1))?;
+        require(reached, || message!(NOBODY_PUSHED, push = k + 1))?;
     }
     let mut drive = DriveTable::default();
     for (agent, here) in trial.agents.iter().zip(&trial.dynamics) {

@@ -8,7 +8,9 @@ pub use end::RunEnd;
 
 use crate::Documents;
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
+use lemons_core::message::{Message, message};
 use lemons_core::plane::Vec2;
+use lemons_core::rule::sentences::*;
 use lemons_core::trial::{
     Agent, AgentDynamics, DRIVE_FILE, DriveChoice, DriveTable, Parameters, Problem, Rule, Trial,
 };
@@ -52,9 +54,9 @@ pub fn of_documents(documents: &Documents, files: &Files) -> Vec<Problem> {
     let Documents { trial, drive, plan } = documents;
     let mut found = plan.as_ref().map_or_else(Vec::new, |plan| of_plan(plan, trial, &files.decision));
     let unusual = doubts_of_drive(drive).into_iter();
-    found.extend(unusual.map(|text| Problem::by(Rule::Unusual, &files.drive, text)));
+    found.extend(unusual.map(|message| Problem::by(Rule::Unusual, &files.drive, message)));
     if plan.is_some() && drive.end().is_some() {
-        found.push(Problem::by(Rule::DriveAdded, &files.decision, Rule::DriveAdded.text()));
+        found.push(Problem::by(Rule::DriveAdded, &files.decision, Rule::DriveAdded.message()));
     }
     found
 }
@@ -63,11 +65,10 @@ pub fn of_documents(documents: &Documents, files: &Files) -> Vec<Problem> {
 pub fn of_plan(plan: &Plan, trial: &Trial, file: &Path) -> Vec<Problem> {
     let limited = plan.agents.iter().any(|agent| agent.walker.push < UNLIMITED)
         || plan.motivation.iter().any(|change| change.push.is_some());
-    let flat =
-        (limited && plan.queues()).then(|| (Rule::FlatPush, format!("push: {}", Rule::FlatPush.text())));
-    let found = of_people(plan, trial).into_iter().chain(flat);
+    let flat = (limited && plan.queues()).then(|| message!(PUSH, finding = Rule::FlatPush.message()));
+    let found = of_people(plan, trial).into_iter().chain(flat.map(|flat| (Rule::FlatPush, flat)));
     let found = found.chain(walking::out_of_reach(plan, &trial.geometry)).chain(walking::unfit(plan));
-    found.map(|(rule, text)| Problem::by(rule, file, text)).collect()
+    found.map(|(rule, message)| Problem::by(rule, file, message)).collect()
 }
 
 /// Returns what is found in documents for a communication step \[s\].
@@ -82,32 +83,23 @@ pub fn of_accuracy(documents: &Documents, directory: &Path, files: &Files) -> Ve
     let step = trial.parameters.time_step;
     let rows = match (drive.missed(0.0, step), drive.between(0.0, step)) {
         (None, (between @ 1.., of)) => {
-            let message = format!("{between} of {of} {}", Rule::RowsBetween.row().means);
-            Some(Problem::by(Rule::RowsBetween, &files.drive, message))
+            Some(Problem::by(Rule::RowsBetween, &files.drive, message!(ROWS_BETWEEN, between, of)))
         }
         _ => None,
     };
     let file = directory.join("Parameters.xml");
-    let accuracy = accuracy(trial).map(|text| Problem::by(Rule::Accuracy, &file, text));
+    let accuracy = accuracy(trial).map(|message| Problem::by(Rule::Accuracy, &file, message));
     rows.into_iter().chain(accuracy).collect()
 }
 
 /// Finds those who want to be faster than people are, those who cannot walk or stand, and forces that are not used.
-fn of_people(plan: &Plan, trial: &Trial) -> Vec<(Rule, String)> {
+fn of_people(plan: &Plan, trial: &Trial) -> Vec<(Rule, Message)> {
     let mut found = Vec::new();
     let speed = |agent: &Planned| agent.walker.desired_speed;
     let mut fast = plan.agents.iter().filter(|agent| speed(agent) > FASTEST);
     if let Some(first) = fast.next() {
-        let others = match fast.count() {
-            0 => String::new(),
-            n => format!(", and {n} others more than {FASTEST:?} m/s"),
-        };
-        let message = format!(
-            "agent {:?} wants {:?} m/s{others}: people walk at 0.5 to 2 m/s, and run at 3 to 5 m/s",
-            first.id,
-            speed(first)
-        );
-        found.push((Rule::TooFast, message));
+        let others = some(fast.count()).map(|count| message!(OTHERS_FASTER, count, fastest = FASTEST));
+        found.push((Rule::TooFast, message!(TOO_FAST, agent = &first.id, speed = speed(first), others)));
     }
     // The force with which people walk is proportional to FloorDamping.
     let unmoved: Vec<&Planned> =
@@ -115,68 +107,53 @@ fn of_people(plan: &Plan, trial: &Trial) -> Vec<(Rule, String)> {
     let goes =
         |agent: &&&Planned| !agent.walker.waypoints.is_empty() || agent.destination != Destination::None;
     if let Some(first) = unmoved.iter().find(goes) {
-        let message = format!(
-            "{} of {} agents cannot walk (first {:?}): FloorDamping=\"0\" in Agents.xml, and the force with which they walk \
-             is Mass · FloorDamping · speed",
-            unmoved.iter().filter(goes).count(),
-            plan.agents.len(),
-            first.id
-        );
-        found.push((Rule::CannotWalk, message));
+        let (count, all) = (unmoved.iter().filter(goes).count(), plan.agents.len());
+        found.push((Rule::CannotWalk, message!(CANNOT_WALK, count, all, agent = &first.id)));
     }
     // The pendulum's ankles have a rate of their own.
     if let (Some(BalanceModel::TwoLevel(_)), Some(first)) = (plan.balance, unmoved.first()) {
-        let id = &first.id;
-        let message = "has legs and FloorDamping=\"0\" in Agents.xml: it does not try to stand still";
-        found.push((Rule::LegsIdle, format!("agent {id:?} {message}")));
+        found.push((Rule::LegsIdle, message!(LEGS_IDLE, agent = &first.id)));
     }
     let is_pushed = |dynamics: &AgentDynamics| dynamics.fp != Vec2::zeros() || dynamics.mp != 0.0;
     let mut pushed = trial.agents.iter().zip(&trial.dynamics).filter(|(_, dynamics)| is_pushed(dynamics));
-    if let Some((Agent { id: first, .. }, _)) = pushed.next() {
-        let others = match pushed.count() {
-            0 => String::new(),
-            n => format!(" and {n} more"),
-        };
-        let message = format!(
-            "Fp and Mp in AgentDynamics.xml of agent {first:?}{others} are not used, because people walk; forces of a \
-             {DRIVE_FILE} would be added"
-        );
-        found.push((Rule::ForcesUnused, message));
+    if let Some((Agent { id: agent, .. }, _)) = pushed.next() {
+        let others = some(pushed.count()).map(|count| message!(AND_OTHERS, count));
+        found.push((Rule::ForcesUnused, message!(FORCES_UNUSED, agent, others)));
     }
     found
+}
+
+/// How many others there are, if there are some.
+fn some(others: usize) -> Option<usize> {
+    Some(others).filter(|count| *count > 0)
 }
 
 /// Finds legs that act too late with a communication step \[s\].
 pub fn late_legs(plan: &Plan, step: f64, file: &Path) -> Option<Problem> {
     let damping = plan.agents.iter().map(|agent| agent.walker.floor_damping).fold(0.0, f64::max);
     let longest = plan.balance?.longest_step(damping);
-    let message = format!(
-        "communication step {step:?} s: legs act once in a step; with more than {longest:.3} s they act too late \
-         (--step; TimeStep in Parameters.xml)"
-    );
+    let message = message!(LEGS_LATE, step, longest);
     (step > longest * (1.0 + 1e-9)).then(|| Problem::by(Rule::LegsLate, file, message))
 }
 
 /// Finds rows of a drive that a run from `start` with a communication step, both \[s\], does not apply.
 pub fn missed(drive: &DriveTable, start: f64, step: f64, file: &Path) -> Option<Problem> {
-    drive.missed(start, step).map(|text| Problem::by(Rule::RowsMissed, file, text))
+    drive.missed(start, step).map(|message| Problem::by(Rule::RowsMissed, file, message))
 }
 
 /// Says up to which mechanical step a Trial is stable, and how accurate its own and another one are. `None` if nothing can
 /// touch, since any step is exact then.
-fn accuracy(trial: &Trial) -> Option<String> {
+fn accuracy(trial: &Trial) -> Option<Message> {
     let steps = Setup::of(trial).steps()?;
     let Parameters { time_step_mechanical: own, .. } = trial.parameters;
     let stable = steps.stable();
-    let (not, error) = if own < stable {
-        ("", format!(", with an error of about {} in a collision", length(steps.error(own))))
+    let usual = steps.accurate_to(USUAL_ACCURACY);
+    let usual = usual.map(|step| message!(ACCURATE_TO, step, error = length(USUAL_ACCURACY)));
+    Some(if own < stable {
+        message!(ACCURATE, own, stable, error = length(steps.error(own)), usual)
     } else {
-        ("not ", String::new())
-    };
-    let usual = steps.accurate_to(USUAL_ACCURACY).map_or(String::new(), |step| {
-        format!("; a step of {step:e} s has an error of about {}", length(USUAL_ACCURACY))
-    });
-    Some(format!("TimeStepMechanical {own:e} s: {not}stable (up to {stable:.1e} s){error}{usual}"))
+        message!(NOT_STABLE, own, stable, usual)
+    })
 }
 
 /// Writes a length \[m\] in its usual unit.

@@ -6,7 +6,7 @@
 """
 
 from ._native import CommandError, SimulationError
-from .crowd import Crowd, State
+from .crowd import Crowd, Finding, State
 from .drive import Drive
 from .export import export as export
 from .measure import Measures
@@ -25,6 +25,7 @@ __all__ = [
     "CommandError",
     "Crowd",
     "Drive",
+    "Finding",
     "Measures",
     "Picture",
     "Progress",

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+#: Line, rule, severity, place, message.
+Found = tuple[str, str, str, str, str]
 
 NUMBERS: list[str]
 TABLE: list[str]
@@ -24,7 +26,7 @@ class Task:
 
 class Model:
     decision: str | None
-    warnings: list[str]
+    warnings: list[Found]
     trial: str
     ids: list[str]
     step: float
@@ -59,7 +61,7 @@ class Recording:
     def points(self) -> Floats: ...
     def push(self, agents: list[int], pushes: Floats) -> None: ...
     def why_some_stay(self) -> str | None: ...
-    def findings(self, simulation: Simulation, whole: bool) -> list[str]: ...
+    def findings(self, simulation: Simulation, whole: bool) -> list[Found]: ...
     def advance(self, simulation: Simulation, most: int, seconds: float) -> None: ...
     def finish(self) -> tuple[Floats, Floats]: ...
 

@@ -74,6 +74,22 @@ class State:
         return f"<State at {self.time:g} s, {len(self.data)} bytes>"
 
 
+class Finding(str):
+    """What a rule has found: the line of `lemons run`, and its parts."""
+
+    #: Id of the rule (docs/reference/rules.md); "error", "warning" or "note"; file, line, element and attribute; the rest.
+    rule: str
+    severity: str
+    subject: str
+    message: str
+
+    @classmethod
+    def of(cls, row: tuple[str, str, str, str, str]) -> Finding:
+        found = cls(row[0])
+        found.rule, found.severity, found.subject, found.message = row[1:]
+        return found
+
+
 class Crowd:
     """A crowd of N people, initialized and ready to step.
 
@@ -105,8 +121,8 @@ class Crowd:
         self.model = model_of(what, decision)
         #: Ids of the agents in Agents.xml.
         self.ids: tuple[str, ...] = tuple(self.model.ids)
-        #: Warnings and notes so far, as those of `lemons run`.
-        self.messages: list[str] = list(self.model.warnings)
+        #: Warnings and notes so far, as those of `lemons run`; what a rule has found is a `Finding`.
+        self.messages: list[str] = [Finding.of(row) for row in self.model.warnings]
         self._own: _native.Simulation | None = _native.Simulation(self.model, algorithm)
         self._begin(parameters, start)
 
@@ -323,7 +339,7 @@ class Crowd:
                 report(Progress(done, 0, done if met or recording.is_over else steps, monotonic() - begin, 0, None))
         # Of several runs, what is found at the end of the last one.
         self.messages = [text for text in self.messages if text not in self._ends]
-        self._ends = recording.findings(simulation, whole)
+        self._ends = [Finding.of(row) for row in recording.findings(simulation, whole)]
         self.messages += self._ends
         why = None if met else recording.why_some_stay()
         if why is not None:

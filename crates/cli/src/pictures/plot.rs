@@ -70,9 +70,9 @@ pub struct Arguments {
     style: StyleArguments,
 }
 
-pub fn plot(arguments: &Arguments) -> Result<()> {
-    let output = &arguments.output;
+pub fn plot(arguments: &mut Arguments) -> Result<()> {
     arguments.check()?;
+    let output = &arguments.output;
     // Before there is anything that would be left.
     let interrupt = Interrupt::watch();
     let mut file = Output::open(output)?;
@@ -84,15 +84,16 @@ pub fn plot(arguments: &Arguments) -> Result<()> {
 }
 
 /// Draws without writing.
-pub fn drawn(arguments: &Arguments) -> Result<Vec<u8>> {
+pub fn drawn(arguments: &mut Arguments) -> Result<Vec<u8>> {
     arguments.check()?;
     arguments.draw(&Interrupt::watch())
 }
 
 impl Arguments {
     /// Checks that the options belong together.
-    fn check(&self) -> Result<()> {
+    fn check(&mut self) -> Result<()> {
         PictureFormat::of(&self.output)?;
+        self.source.panel_length = self.walls.then_some(PANEL_LENGTH);
         if self.at.iter().any(|time| !(*time >= 0.0 && time.is_finite())) {
             bail!(Misused("--at: times are numbers of seconds, not below 0".into()));
         }
@@ -205,7 +206,6 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
 /// Draws the greatest mean loads over 1 s, and the people at the end.
 fn loads(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, style, .. } = arguments;
-    let source = RunSource { panel_length: Some(PANEL_LENGTH), ..source.clone() };
     let run = source.trial_run(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
     let (from, until) = arguments.times();
     let mut loads = LoadsOverTime::of(&run.trial.geometry);

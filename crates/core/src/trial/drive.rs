@@ -2,6 +2,8 @@
 
 use crate::files::input;
 use crate::files::source::{FileSource, LocalFiles};
+use crate::message::{Message, message};
+use crate::rule::sentences::*;
 use crate::trial::documents::Trial;
 use crate::trial::problem::Problems;
 use crate::xml::{Problem, decimal, quoted};
@@ -22,7 +24,7 @@ pub const EVER: f64 = 1e6;
 pub type DriveValues = [f64; 3];
 
 /// An error of the file, perhaps of a line of it.
-fn error(line: Option<u64>, message: impl Into<String>) -> Problem {
+fn error(line: Option<u64>, message: impl Into<Message>) -> Problem {
     Problem::of_file(Path::new(""), line.and_then(|line| u32::try_from(line).ok()), message)
 }
 
@@ -299,10 +301,10 @@ impl DriveTable {
     /// Says what a run from `start` with a communication step, both \[s\], does not apply: the drive is what it is at the
     /// communication points. `None` unless the push of a row between two of them lies beyond both of theirs by more than
     /// half of the agent's largest one. Rows before the start are not looked at.
-    pub fn missed(&self, start: f64, step: f64) -> Option<String> {
+    pub fn missed(&self, start: f64, step: f64) -> Option<Message> {
         const COLUMNS: [&str; 3] = ["Fp.x", "Fp.y", "Mp"];
         let (mut rows, mut of, mut shortest) = (0, 0, f64::INFINITY);
-        let mut worst: Option<(f64, String)> = None;
+        let mut worst: Option<(f64, Message)> = None;
         // In an order that does not change from run to run.
         for (agent, pushes) in self.agents.iter().collect::<BTreeMap<_, _>>() {
             let most = |k: usize| pushes.iter().map(|(_, push)| push[k].abs()).fold(0.0, f64::max);
@@ -334,25 +336,16 @@ impl DriveTable {
                 let Some((by, k)) = found else { continue };
                 if worst.as_ref().is_none_or(|(most, _)| by > *most) {
                     let (column, push, first, second) = (COLUMNS[k], push[k], a[k], b[k]);
-                    let message = format!(
-                        "at t = {time:?} s agent {agent:?} has {column} = {push:?}, but the applied value is {first:?} \
-                         from t = {before:?} s and {second:?} from t = {after:?} s"
-                    );
+                    let message =
+                        message!(NOT_APPLIED, time, agent, column, push, first, before, second, after);
                     worst = Some((by, message));
                 }
             }
         }
-        let (_, message) = worst?;
-        let come = if rows == 1 { "comes" } else { "come" };
-        let mut words = format!(
-            "{rows} of {of} rows {come} between communication points, which are {step:?} s apart, so they are not applied: \
-             {message}"
-        );
-        if shortest.is_finite() {
-            words +=
-                &format!("; a communication step of {shortest:.3e} s applies all rows (TimeStep, --step)");
-        }
-        Some(words)
+        let (_, worst) = worst?;
+        let come = if rows == 1 { message!(COMES) } else { message!(COME) };
+        let all = shortest.is_finite().then(|| message!(APPLIES_ALL, step = shortest));
+        Some(message!(ROWS_MISSED, rows, of, come, step, worst, all))
     }
 }
 
@@ -380,7 +373,7 @@ mod tests {
         let rows =
             "t,agent,Fp.x,Fp.y,Mp\n0,a,0,0,0\n0.3,a,600,0,0\n0.4,a,-1200,0,9\n0.6,a,0,0,0\n9,b,1,0,0\n";
         let drive = drive(rows).unwrap();
-        let missed = drive.missed(0.0, 50.0).unwrap();
+        let missed = drive.missed(0.0, 50.0).unwrap().text;
         let message = "4 of 5 rows come between communication points, which are 50.0 s apart, so they are not applied: at t = 0.4 s \
                     agent \"a\" has Fp.x = -1200.0, but the applied value is 0.0 from t = 0.0 s and 0.0 from t = 50.0 s; \
                     a communication step of 1.000e-1 s applies all rows (TimeStep, --step)";
@@ -388,7 +381,7 @@ mod tests {
         assert_eq!(drive.missed(0.0, 0.1), None);
         assert_eq!((drive.between(0.0, 0.1), drive.between(0.0, 0.2)), ((0, 5), (1, 5)));
         // A sample somewhere on its way is not the push, but it is applied.
-        let missed = drive.missed(0.0, 0.7).unwrap();
+        let missed = drive.missed(0.0, 0.7).unwrap().text;
         assert!(missed.starts_with("4 of 5 rows come between"), "{missed}");
         assert!(missed.contains("at t = 0.4 s agent \"a\""), "{missed}");
         assert_eq!(DriveTable::default().missed(0.0, 50.0), None);

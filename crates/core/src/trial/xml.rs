@@ -5,12 +5,14 @@
 
 use crate::files::source::FileSource;
 use crate::files::{input, words};
+use crate::message::{Message, message};
 use crate::plane::{Vec2, vec2};
 use crate::rule::Rule;
+use crate::rule::sentences::*;
 use crate::trial::opening::OpeningTimes;
 use crate::trial::problem::Problems;
 use crate::trial::schema::{AttributeValue, Schema};
-use crate::xml::{Document, Layout, Problem, XmlWriter, decimal, quoted};
+use crate::xml::{Document, Layout, Problem, XmlWriter, decimal};
 use std::cell::RefCell;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
@@ -163,7 +165,7 @@ impl<'a> Element<'a> {
             }
         });
         if all > REPORTED {
-            let message = format!("more than {REPORTED} names of attributes and elements are not read");
+            let message = message!(MORE_NOT_READ, count = REPORTED);
             self.report(Problem::by(Rule::NotRead, self.node.file(), message));
         }
     }
@@ -187,8 +189,9 @@ impl<'a> Element<'a> {
     /// Says of something in it that it is not read, and how often it is there.
     fn warning(self, name: &str, unread: Unread<'_>, count: usize) -> Problem {
         let Schema { name: own, attributes, children } = self.schema;
-        let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
-        let warning = |offset, message| Problem {
+        let times = (count > 1).then(|| message!(TIMES, count));
+        let meant = |word: String| message!(MEANT, word);
+        let warning = |offset, message: Message| Problem {
             line: Some(self.node.document().line(offset)),
             element: Some((*own).to_owned()),
             ..Problem::by(Rule::NotRead, self.node.file(), message)
@@ -196,22 +199,20 @@ impl<'a> Element<'a> {
         match unread {
             Unread::Attribute(attribute) => {
                 let word = words::meant(name, attributes.iter().map(|attribute| attribute.0));
-                let meant = word.map_or(String::new(), |word| format!("; is {word} meant?"));
+                let meant = word.map(|word| meant(word.to_owned()));
                 Problem {
                     attribute: Some(short(name)),
                     value: Some(attribute.value().to_owned()),
-                    ..warning(attribute.range().start, format!("is not read{times}{meant}"))
+                    ..warning(attribute.range().start, message!(NOT_READ, times, meant))
                 }
             }
             Unread::Element(node) => {
                 let word = words::meant(name, children.iter().map(|child| child.name));
-                let meant = word.map_or(String::new(), |word| format!("; is <{word}> meant?"));
-                let message = format!("is not read in <{own}>{times}{meant}");
+                let meant = word.map(|word| meant(format!("<{word}>")));
+                let message = message!(NOT_READ_IN, within = *own, times, meant);
                 Problem { element: Some(short(name)), ..warning(node.offset(), message) }
             }
-            Unread::Text(text, offset) => {
-                warning(offset, format!("the text in it is not read{times}: {}", quoted(text.trim())))
-            }
+            Unread::Text(text, offset) => warning(offset, message!(TEXT_NOT_READ, times, text = text.trim())),
         }
     }
 
@@ -352,12 +353,12 @@ impl<'a> Element<'a> {
     }
 
     /// Reports an error about the element.
-    pub(crate) fn error(self, message: impl Into<String>) {
+    pub(crate) fn error(self, message: impl Into<Message>) {
         self.report(self.node.problem(message));
     }
 
     /// Reports an error about an attribute, there or missing.
-    pub(crate) fn wrong(self, attribute: &str, message: impl Into<String>) {
+    pub(crate) fn wrong(self, attribute: &str, message: impl Into<Message>) {
         self.report(self.node.wrong(attribute, message));
     }
 }

@@ -1,5 +1,6 @@
 //! A text from outside -> its elements and attributes, with their lines.
 
+use crate::message::Message;
 use crate::xml::check::check;
 use crate::xml::problem::{Problem, Result};
 use roxmltree::{Attribute, Node, ParsingOptions};
@@ -185,7 +186,7 @@ impl<'a> Element<'a> {
     }
 
     /// Makes an error about the element.
-    pub fn problem(self, message: impl Into<String>) -> Problem {
+    pub fn problem(self, message: impl Into<Message>) -> Problem {
         Problem {
             element: Some(self.name().into()),
             ..Problem::of_file(self.file(), Some(self.line()), message)
@@ -193,7 +194,7 @@ impl<'a> Element<'a> {
     }
 
     /// Makes an error about an attribute, there or missing.
-    pub fn wrong(self, attribute: &str, message: impl Into<String>) -> Problem {
+    pub fn wrong(self, attribute: &str, message: impl Into<Message>) -> Problem {
         let there = self.node.attribute_node(attribute);
         Problem {
             line: Some(there.map_or(self.line(), |there| self.document.line(there.range().start))),

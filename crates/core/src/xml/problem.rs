@@ -1,6 +1,7 @@
 //! Problems of a document, with their places.
 
-use crate::rule::{Rule, Severity};
+use crate::message::{Message, message};
+use crate::rule::{Rule, Severity, parts};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -20,7 +21,7 @@ pub struct Problem {
     /// The attribute's value, as written.
     pub value: Option<String>,
     /// Says what is wrong; the fields above say where.
-    pub message: String,
+    pub message: Message,
 }
 
 /// Result of a reader that stops at the first problem. The box keeps results small.
@@ -28,12 +29,12 @@ pub type Result<T> = std::result::Result<T, Box<Problem>>;
 
 impl Problem {
     /// An error about a whole file, or about a line of it.
-    pub fn of_file(file: &Path, line: Option<u32>, message: impl Into<String>) -> Problem {
+    pub fn of_file(file: &Path, line: Option<u32>, message: impl Into<Message>) -> Problem {
         Problem { line, ..Problem::by(Rule::Invalid, file, message) }
     }
 
     /// Returns a problem of a whole file.
-    pub fn by(rule: Rule, file: &Path, message: impl Into<String>) -> Problem {
+    pub fn by(rule: Rule, file: &Path, message: impl Into<Message>) -> Problem {
         Problem {
             rule,
             file: file.to_owned(),
@@ -49,6 +50,35 @@ impl Problem {
     pub fn severity(&self) -> Severity {
         self.rule.row().severity
     }
+
+    /// Says where it is: what is before the message.
+    pub fn place(&self) -> String {
+        let file = self.file.display();
+        let mut place = match (self.file.as_os_str().is_empty(), self.line) {
+            (false, Some(line)) => format!("{file}:{line}: "),
+            (false, None) => format!("{file}: "),
+            (true, Some(line)) => format!("line {line}: "),
+            (true, None) => String::new(),
+        };
+        if let Some(element) = &self.element {
+            let attribute = self.attribute.iter().map(|attribute| match &self.value {
+                Some(value) => format!(" {attribute}={}", quoted(value)),
+                None => format!(" {attribute}"),
+            });
+            place += &format!("<{element}>{}: ", attribute.collect::<String>());
+        }
+        place
+    }
+
+    /// Returns all of it as a message, with the word "warning" or "note".
+    pub fn told(&self) -> Message {
+        let (place, message) = (self.place(), &self.message);
+        match self.severity() {
+            Severity::Error => message!(parts::ERROR, place, message),
+            Severity::Warning => message!(parts::WARNING, place, message),
+            Severity::Note => message!(parts::NOTE, place, message),
+        }
+    }
 }
 
 impl std::error::Error for Problem {}
@@ -56,28 +86,7 @@ impl std::error::Error for Problem {}
 /// One line: `static/Agents.xml:12: <Shape> Radius="-0.1": must be positive`; `#` leaves out the word "warning" or "note".
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let severity = self.severity();
-        if severity != Severity::Error && !f.alternate() {
-            write!(f, "{severity}: ")?;
-        }
-        let file = self.file.display();
-        match (self.file.as_os_str().is_empty(), self.line) {
-            (false, Some(line)) => write!(f, "{file}:{line}: ")?,
-            (false, None) => write!(f, "{file}: ")?,
-            (true, Some(line)) => write!(f, "line {line}: ")?,
-            (true, None) => {}
-        }
-        if let Some(element) = &self.element {
-            write!(f, "<{element}>")?;
-            if let Some(attribute) = &self.attribute {
-                write!(f, " {attribute}")?;
-                if let Some(value) = &self.value {
-                    write!(f, "={}", quoted(value))?;
-                }
-            }
-            write!(f, ": ")?;
-        }
-        write!(f, "{}", self.message)
+        if f.alternate() { write!(f, "{}{}", self.place(), self.message) } else { self.told().fmt(f) }
     }
 }
 

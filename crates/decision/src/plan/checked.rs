@@ -3,10 +3,11 @@
 use super::Plan;
 use super::destinations::names;
 use crate::error::{
-    MOST_MEMBERS, MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative, number,
-    positive,
+    ANY_EXIT, EMPTY, MOST_MEMBERS, MOST_TARGETS, MOST_WAYPOINTS, NO_WAY, PlanError, SHUT, coordinate,
+    moderate, not_negative, number, positive,
 };
 use crate::target::{Destination, Target};
+use lemons_core::message::message;
 use lemons_core::plane::vec2;
 
 impl Plan {
@@ -14,7 +15,7 @@ impl Plan {
     pub(super) fn check_ways(&self) -> Result<(), PlanError> {
         let Some(ways) = self.ways()? else { return Ok(()) };
         if let Some(shut) = ways.shut().first() {
-            return Err(PlanError::Shut { place: self.targets[*shut].label() });
+            return Err(PlanError::Impossible(message!(SHUT, place = self.targets[*shut].label())));
         }
         for agent in self.agents.iter().filter(|agent| agent.destination != Destination::None) {
             let last = agent.walker.waypoints.last().map(|w| vec2(w.x, w.y));
@@ -22,10 +23,10 @@ impl Plan {
             if !ways.distance(agent.destination, from).is_finite() {
                 let to = match agent.destination {
                     Destination::Target(k) => self.targets[k].label(),
-                    _ => format!("any exit ({})", names(&self.targets, false)),
+                    _ => message!(ANY_EXIT, names = names(&self.targets, false)),
                 };
-                let [x, y] = [from.x, from.y].map(|number| format!("{number:.2}"));
-                return Err(PlanError::NoWay { agent: agent.id.clone(), x, y, to });
+                let message = message!(NO_WAY, agent = &agent.id, x = from.x, y = from.y, to);
+                return Err(PlanError::Impossible(message));
             }
         }
         Ok(())
@@ -33,7 +34,7 @@ impl Plan {
 
     pub(super) fn checked(self) -> Result<Plan, PlanError> {
         if self.agents.is_empty() {
-            return Err(PlanError::Empty);
+            return Err(PlanError::Impossible(message!(EMPTY)));
         }
         positive("the plan", "time_step", self.time_step)?;
         self.walking_model.check()?;
@@ -110,7 +111,7 @@ pub(super) fn check_targets(targets: &[Target], time_step: f64) -> Result<(), Pl
         return Err(PlanError::TooManyTargets(targets.len()));
     }
     for target in targets {
-        let place = target.label();
+        let place = target.label().text;
         for corner in target.corners.iter().flatten() {
             coordinate(&place, "corner", *corner)?;
         }

@@ -190,7 +190,7 @@ fn the_walls_of_an_opened_trial_are_changed_and_nothing_else_is() {
     let (after, _) = ok(&mut lab, edited(&room));
     assert_eq!(after["scene"]["walls"].as_array().unwrap().len(), walls.len() + 2);
     assert_eq!(after["scene"]["overlapping"], json!([0]));
-    let notes: Vec<String> = read(&after["notes"]);
+    let notes = texts(&after["notes"]);
     assert!(notes.iter().any(|note| note.contains("disks and walls overlap at the start")), "{notes:?}");
     assert_eq!(after["scene"]["beyond_doors"].as_array().unwrap().len(), 1);
     let (_, changed) = ok(&mut lab, take(4, json!({"file": "trial"})));
@@ -366,7 +366,9 @@ fn changes_by_hand_that_do_not_fit_are_left_out_where_that_is_wanted() {
     // Who would stand in a wall stays where he was.
     assert_eq!(after[COLUMNS..COLUMNS + 3], before[COLUMNS..COLUMNS + 3]);
     assert_eq!(made["scene"]["overlapping"], json!([]));
-    let left_out: Vec<(usize, String)> = read(&made["left_out"]);
+    let left_out: Vec<(usize, Value)> = read(&made["left_out"]);
+    let left_out: Vec<(usize, &str)> =
+        left_out.iter().map(|(k, why)| (*k, why["text"].as_str().unwrap())).collect();
     let words = [
         "person \"1\" would overlap a wall",
         "nobody with the Id \"9\"",

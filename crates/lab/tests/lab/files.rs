@@ -34,8 +34,8 @@ fn a_trial_that_is_taken_is_opened_again_with_its_drive() {
     assert_eq!(ok(&mut lab, advance(2, 9)).1, moved);
     // What is not used is told.
     let more = zipped_with(&zip, "push/notes.txt", b"[]");
-    let notes = &open(&mut lab, "push.zip", &more)["notes"];
-    assert_eq!(*notes, json!(["not used here, and not taken along: push/notes.txt"]));
+    let notes = texts(&open(&mut lab, "push.zip", &more)["notes"]);
+    assert_eq!(notes, ["not used here, and not taken along: push/notes.txt"]);
     // Without a directory of its own: called as its zip.
     let flat = push_with("", "", str::to_owned);
     assert_eq!(open(&mut lab, "mine.zip", &flat)["scene"]["name"], "mine");
@@ -98,7 +98,7 @@ fn a_folder_is_read_as_a_zip_is_and_one_without_parameters_gets_them() {
         files.iter().filter(|(name, _)| !["Parameters.xml", "drive.csv"].contains(name)).copied().collect();
     let (request, bytes) = folder(&without);
     let (value, _) = ask(&mut lab, &request, &bytes);
-    let message = value["ok"]["notes"][0].as_str().unwrap_or_else(|| panic!("{value}"));
+    let message = value["ok"]["notes"][0]["text"].as_str().unwrap_or_else(|| panic!("{value}"));
     assert!(message.contains("no Parameters.xml") && message.contains("0.01 s"), "{message}");
     assert_eq!(value["ok"]["scene"]["step"], 0.01);
     for directory in ["", "X & \"Y\"/"] {
@@ -242,7 +242,7 @@ fn materials_and_steps_are_changed_as_the_files_have_them() {
     // A step that is too long is warned of in the words of `lemons check`.
     wanted["mechanics"] = with("time_step_mechanical", json!(0.005));
     let warned = ok(&mut lab, wanted.clone()).0["scene"].take();
-    let words = warned["warnings"][0].as_str().unwrap();
+    let words = warned["warnings"][0]["text"].as_str().unwrap();
     assert!(words.contains("TimeStepMechanical=\"0.005\"") && words.contains("not stable"), "{words}");
     assert!(warned["longest"].as_f64() < Some(0.005) && warned["advised"] == 1e-4, "{warned}");
     for (key, value, words) in [

@@ -8,6 +8,7 @@ mod runs;
 mod same_bits;
 #[cfg(feature = "typescript")]
 mod types;
+mod words;
 
 use lemons_lab::boundary::answer;
 use lemons_lab::frame::COLUMNS;
@@ -42,10 +43,15 @@ fn ok_of(lab: &mut Lab, request: Value, bytes: &[u8]) -> (Value, Vec<u8>) {
     (value["ok"].take(), bytes)
 }
 
+/// Texts of messages.
+fn texts(of: &Value) -> Vec<String> {
+    of.as_array().unwrap().iter().map(|message| message["text"].as_str().unwrap().to_owned()).collect()
+}
+
 fn refused(lab: &mut Lab, request: Value, bytes: &[u8]) -> String {
     let (value, nothing) = ask(lab, &request, bytes);
     assert!(nothing.is_empty());
-    value["refused"].as_str().unwrap_or_else(|| panic!("{request}: {value}")).to_owned()
+    value["refused"]["text"].as_str().unwrap_or_else(|| panic!("{request}: {value}")).to_owned()
 }
 
 fn numbers(bytes: &[u8]) -> Vec<f64> {

@@ -31,7 +31,7 @@ fn a_pulse_gives_its_momentum_to_those_in_the_circle() {
     short["duration"] = json!(0.01);
     let short = show(crowd(1, square(20.0, 20.0)), json!({"kind": "push", "pushes": [short]}));
     let (shown, _) = ok(&mut lab, short);
-    assert!(shown["notes"][0].as_str().unwrap().contains("are not applied"), "{}", shown["notes"]);
+    assert!(shown["notes"][0]["text"].as_str().unwrap().contains("are not applied"), "{}", shown["notes"]);
 }
 
 /// A crowd that was made with a speed has a propulsion, which ends as a push begins.

@@ -1,6 +1,6 @@
 //! One physics: a simulation in memory, FMUs of FMI 2.0 and 3.0 and the lab give the same bits.
 
-use crate::{advance, ask, ok, opened};
+use crate::{advance, ask, ok, opened, texts};
 use crowd_mechanics::pack::FmuFormat;
 use lemons_core::trial::{DriveChoice, Problems, Rule};
 use lemons_decision::{DecisionConfig, pack};
@@ -111,7 +111,7 @@ fn of_lab(scene: &Scene, clock: &Clock) -> Bits {
     let mut lab = Lab::default();
     let (value, first) = ask(&mut lab, &opened("scene.zip", &zip), &zip);
     // What is found is said as by the command, whose files are elsewhere.
-    let notes: Vec<String> = serde_json::from_value(value["ok"]["notes"].clone()).unwrap();
+    let notes = texts(&value["ok"]["notes"]);
     let found: Vec<&str> = scene.problems.iter().map(|problem| &*problem.message).collect();
     assert!(notes.len() == found.len(), "{notes:?} {found:?}");
     assert!(notes.iter().zip(found).all(|(note, found)| note.ends_with(found)), "{notes:?}");

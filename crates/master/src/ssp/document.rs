@@ -2,6 +2,7 @@
 
 use crate::error::MasterError;
 use crate::ssp::unit::{Affine, SspUnit};
+use lemons_core::message::Message;
 use lemons_core::xml::Problem;
 use serde::Deserialize;
 use serde::de::{self, value::StrDeserializer};
@@ -218,6 +219,6 @@ impl SystemStructure {
 }
 
 /// Makes an error at a place in a file.
-pub(crate) fn wrong_at(place: &Problem, message: impl Into<String>) -> MasterError {
+pub(crate) fn wrong_at(place: &Problem, message: impl Into<Message>) -> MasterError {
     Problem { message: message.into(), ..place.clone() }.into()
 }

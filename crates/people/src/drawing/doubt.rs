@@ -9,7 +9,9 @@ use super::plan::FloorPlan;
 use super::proposal::{Proposal, about_frame, is_alone};
 use super::sort::{Sort, of_name};
 use super::swings::{self, Swing};
+use crate::error::{BAND, BY_SWING, LITTLE_AROUND, NONE_CLOSED, ON_NOTES, TWO_LINES};
 use crate::is_closed;
+use lemons_core::message::{Message, message};
 use lemons_core::plane::{Ring, Vec2, convex_hull};
 use std::collections::BTreeMap;
 
@@ -17,7 +19,7 @@ use std::collections::BTreeMap;
 const MOST: f64 = 0.7;
 
 /// Asks whether the outline of a plan is the frame of a sheet, as a proposal for its walls does.
-fn frame(plan: &FloorPlan, outline: &Ring) -> Option<String> {
+fn frame(plan: &FloorPlan, outline: &Ring) -> Option<Message> {
     let sides = || plan.walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]]));
     if plan.has_areas || plan.walls.len() < 2 || !is_alone(outline, sides()) {
         return None;
@@ -53,18 +55,19 @@ pub(super) fn notes(lines: &[DrawnLine]) -> Layers {
 }
 
 /// Says why the outline of a plan may not be the room; `None` if nothing speaks against it. Without notes, it is no frame.
-pub(super) fn doubt(plan: &FloorPlan, notes: Option<&Layers>) -> Option<String> {
+pub(super) fn doubt(plan: &FloorPlan, notes: Option<&Layers>) -> Option<Message> {
     let Some(outline) = plan.outline else {
-        return Some("no wall is closed, so nothing is inside".to_owned());
+        return Some(message!(NONE_CLOSED));
     };
     let swing = |(k, wall): (usize, &Vec<Vec2>)| Some((k, swings::within(wall)?));
     if let Some((k, Swing { hinge, shut, .. })) =
         plan.walls.iter().enumerate().filter(|(_, wall)| is_closed(wall)).find_map(swing)
     {
-        return Some(format!(
-            "wall {k} is closed by the swing of a door only, {} m wide at {}: its arc and leaf are taken as a wall",
-            number((shut - hinge).norm()),
-            place((hinge + shut) * 0.5)
+        return Some(message!(
+            BY_SWING,
+            wall = k,
+            width = number((shut - hinge).norm()),
+            at = place((hinge + shut) * 0.5)
         ));
     }
     let ring = Ring::through(plan.walls[outline].clone())?;
@@ -72,10 +75,7 @@ pub(super) fn doubt(plan: &FloorPlan, notes: Option<&Layers>) -> Option<String> 
     let thickest = THICKNESS[1] + 0.005;
     if 2.0 * ring.area() <= thickest * rim(&ring) {
         let thickness = 2.0 * ring.area() / rim(&ring);
-        return Some(format!(
-            "the outline, wall {outline}, is a band of {:.0} cm: walls are probably drawn as two lines",
-            100.0 * thickness
-        ));
+        return Some(message!(BAND, outline, width = 100.0 * thickness));
     }
     let others = plan.walls.iter().enumerate().filter(|(k, _)| *k != outline);
     let inner = others.filter_map(|(k, wall)| Some((k, Ring::of_closed(wall)?)));
@@ -87,19 +87,13 @@ pub(super) fn doubt(plan: &FloorPlan, notes: Option<&Layers>) -> Option<String> 
     });
     if let Some((k, inner)) = within.max_by(|a, b| a.1.area().total_cmp(&b.1.area())) {
         let between = 2.0 * (ring.area() - inner.area()) / (rim(&ring) + rim(&inner));
-        return Some(format!(
-            "wall {k} lies {:.0} cm inside the outline, wall {outline}: walls are probably drawn as two lines",
-            100.0 * between
-        ));
+        return Some(message!(TWO_LINES, wall = k, width = 100.0 * between, outline));
     }
     let hull = |corners: Vec<Vec2>| Ring::through(convex_hull(corners)).map_or(0.0, |ring| ring.area());
     let own = hull(ring.corners().to_vec());
     let all = hull(plan.walls.iter().flatten().copied().collect());
     if own < MOST * all {
-        return Some(format!(
-            "the outline, wall {outline}, lies around {own:.1} m², all walls together around {all:.1} m²: probably a gap \
-             in the walls around the room is open"
-        ));
+        return Some(message!(LITTLE_AROUND, outline, own, all));
     }
     let notes = notes?;
     let is_on = |lines: &[Vec<Vec2>]| {
@@ -109,10 +103,7 @@ pub(super) fn doubt(plan: &FloorPlan, notes: Option<&Layers>) -> Option<String> 
         ring.is_upright() && ring.sides().all(drawn)
     };
     if let Some((layer, _)) = notes.iter().find(|(_, lines)| is_on(lines)) {
-        return Some(format!(
-            "the outline, wall {outline}, is on layer {layer:?}, which has a frame or notes by its name: --walls takes other layers, or \
-             this one"
-        ));
+        return Some(message!(ON_NOTES, outline, layer));
     }
     frame(plan, &ring)
 }

@@ -2,6 +2,8 @@
 
 use super::pieces::SNAP;
 use crate::Door;
+use crate::error::*;
+use lemons_core::message::{Message, message};
 use lemons_core::plane::{Vec2, vec2};
 
 /// \[m\] Gaps of such widths may be doors.
@@ -70,25 +72,23 @@ impl Gap {
     }
 
     /// Says how wide it is, where, and what it is.
-    pub fn described(&self) -> String {
-        let [a, b] = self.ends.map(place);
+    pub fn described(&self) -> Message {
+        let [from, to] = self.ends.map(place);
         let leaves = match self.leaves {
-            0 => String::new(),
-            1 => ", 1 leaf".to_owned(),
-            count => format!(", {count} leaves"),
+            0 => None,
+            1 => Some(message!(LEAF)),
+            count => Some(message!(LEAVES, count)),
         };
         let what = match self.leads {
-            _ if self.crossed && self.leaves == 0 => "lines run across it: shut",
-            Leads::Outside if self.is_door() && !self.open => {
-                "to the outside, drawn on a wall that runs through"
-            }
-            Leads::Outside if self.is_door() => "to the outside",
-            Leads::Outside if self.width() < DOOR[0] => "too narrow for a door: shut",
-            Leads::Outside => "too wide for a door: shut",
-            Leads::Inside => "between rooms: open",
-            Leads::Elsewhere => "to a room that is left out: shut",
+            _ if self.crossed && self.leaves == 0 => message!(GAP_CROSSED),
+            Leads::Outside if self.is_door() && !self.open => message!(GAP_THROUGH),
+            Leads::Outside if self.is_door() => message!(GAP_OUT),
+            Leads::Outside if self.width() < DOOR[0] => message!(GAP_NARROW),
+            Leads::Outside => message!(GAP_WIDE),
+            Leads::Inside => message!(GAP_INSIDE),
+            Leads::Elsewhere => message!(GAP_ELSEWHERE),
         };
-        format!("{} m wide at {}, from {a} to {b}; {what}{leaves}", number(self.width()), place(self.at()))
+        message!(GAP, width = number(self.width()), at = place(self.at()), from, to, what, leaves)
     }
 }
 

@@ -10,7 +10,8 @@ use super::gap::{Gap, Leads, number, place};
 use super::join::WIDEST_GAP;
 use super::sort::{Flight, Layer, Sort, Sorted};
 use crate::Door;
-use crate::error::Result;
+use crate::error::{IS_FRAME, Result};
+use lemons_core::message::{Message, message};
 use lemons_core::plane::overlay;
 use lemons_core::plane::{Bounds, Ring, Vec2, segments_touch};
 
@@ -194,7 +195,7 @@ impl Proposal {
             ));
         }
         let rim: Vec<Ring> = self.ground.iter().filter_map(|ring| Ring::through(ring.clone())).collect();
-        asked.extend(rim.first().filter(|rim| self.is_frame(rim)).map(about_frame));
+        asked.extend(rim.first().filter(|rim| self.is_frame(rim)).map(|rim| about_frame(rim).text));
         let in_room = |at: Vec2| rim.iter().filter(|ring| ring.contains(at)).count() == 1;
         for [a, b] in taken.wide.iter().filter(|[a, b]| !in_room((a + b) * 0.5)).take(MOST_SAID) {
             let width = number((b - a).norm());
@@ -292,7 +293,7 @@ impl Proposal {
             ));
         }
         for gap in &self.gaps {
-            messages.push((gap.kind(), gap.described()));
+            messages.push((gap.kind(), gap.described().text));
         }
         messages.extend(self.questions.iter().map(|question| ("question", question.clone())));
         messages
@@ -350,12 +351,7 @@ pub(super) fn is_alone(rim: &Ring, mut walls: impl Iterator<Item = [Vec2; 2]>) -
         })
 }
 
-pub(super) fn about_frame(frame: &Ring) -> String {
+pub(super) fn about_frame(frame: &Ring) -> Message {
     let size = frame.bounds().size();
-    format!(
-        "is the rectangle of {} m x {} m a frame of the sheet, or a fence? No other wall meets it, and the walls of a room \
-         stand in it: --walls without its layer leaves it out",
-        number(size.x),
-        number(size.y)
-    )
+    message!(IS_FRAME, width = number(size.x), height = number(size.y))
 }

@@ -9,6 +9,7 @@ use super::{doubt, outside};
 use crate::error::Result;
 use crate::is_closed;
 use crate::placing::FARTHEST;
+use lemons_core::message::Message;
 use lemons_core::plane::{Bounds, Vec2};
 use std::collections::BTreeMap;
 
@@ -27,7 +28,7 @@ pub struct Read {
     /// Layers without a meaning, of which [`PlanSettings::walls`] can choose; none where others have one.
     pub layers: Vec<String>,
     /// Why the outline may not be the room; none where nothing speaks against it, or somebody has messages what it is.
-    pub doubt: Option<String>,
+    pub doubt: Option<Message>,
     format: DrawingFormat,
     unit: f64,
     unit_from: UnitFrom,
@@ -118,7 +119,7 @@ impl Read {
                 ),
             )),
         }
-        messages.extend(self.doubt.clone().map(|doubt| ("in doubt", doubt)));
+        messages.extend(self.doubt.iter().map(|doubt| ("in doubt", doubt.text.clone())));
         self.changes(&mut messages);
         let named = |places: &[NamedPlace]| {
             // Names may hold anything.

@@ -33,6 +33,19 @@ pub enum Sort {
 }
 
 impl Sort {
+    /// All of them.
+    pub const ALL: [Sort; 9] = [
+        Sort::Wall,
+        Sort::Door,
+        Sort::Window,
+        Sort::Column,
+        Sort::Furniture,
+        Sort::Stairs,
+        Sort::Grid,
+        Sort::Note,
+        Sort::Unclear,
+    ];
+
     /// Returns what messages call it.
     pub fn name(self) -> &'static str {
         match self {

@@ -7,9 +7,10 @@ use super::soft_disks::{Boundary, SoftBody, SoftDisks};
 use super::{
     Ended, Orientation, Packing, PlacingProgress, PlacingSettings, Region, Stage, TOLERANCE, Watch, reach,
 };
-use crate::error::{Result, require};
+use crate::error::{COVER_MORE, Result, require};
 use crate::random::Random;
 use crate::shape::Shape;
+use lemons_core::message::message;
 use std::f64::consts::PI;
 
 /// \[m\] Distance that shapes keep while they are pushed apart. So none overlaps in the end, although the energy
@@ -71,12 +72,7 @@ pub fn dense(
     let wanted = settings.density.filter(|_| region.is_plane());
     let covered: f64 = shapes.iter().map(|shape| shape.moments().area).sum();
     let room = wanted.map_or(region.area(), |density| shapes.len() as f64 / density);
-    require(covered <= room, || {
-        format!(
-            "{} shapes cover {covered:.3} m², but the region has {room:.3} m²: it cannot hold them without overlap",
-            shapes.len()
-        )
-    })?;
+    require(covered <= room, || message!(COVER_MORE, shapes = shapes.len(), covered, room))?;
     let random = Random::new(settings.seed);
     let (iteration, limit) = (0, settings.limit.unwrap_or(ITERATIONS));
     let (orientation, stage, density) = (settings.orientation, Stage::Growing, 0.0);

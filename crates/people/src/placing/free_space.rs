@@ -1,8 +1,9 @@
 //! The free space that walls leave of a polygon: ground for people in a room with openings, in a part of a room, between obstacles.
 
 use super::region::{Region, SMALLEST_AREA};
-use crate::error::{PeopleError, Result, require};
+use crate::error::{NO_WALLS, Result, require};
 use crate::is_closed;
+use lemons_core::message::message;
 use lemons_core::plane::overlay::{self, Contour, InsideRule, Polygons, difference, intersection};
 use lemons_core::plane::{Bounds, Ring, Vec2};
 use lemons_core::trial::{Geometry, Wall};
@@ -43,7 +44,7 @@ impl Region {
         let mut left: Polygons = vec![ground.clone()];
         let (mut rooms, mut obstacles, mut open) = (Vec::new(), Vec::new(), Vec::new());
         let Some(bounds) = whole.bounds() else {
-            return Err(PeopleError::new("no walls: nothing bounds the region"));
+            return Err(message!(NO_WALLS).into());
         };
         let near =
             |wall: &&Wall| Bounds::of(wall.corners.iter().copied()).is_some_and(|wall| bounds.meets(&wall));

@@ -2,9 +2,10 @@
 
 use super::region::Edge;
 use super::{Ended, Orientation, Packing, PlacingSettings, Region, reach, wrapped};
-use crate::error::{Result, require};
+use crate::error::{FEW_PLACES, Result, require};
 use crate::random::Random;
 use crate::shape::{Shape, bounds};
+use lemons_core::message::message;
 use lemons_core::plane::{Bounds, Pose, Ring, Rotation, Vec2, rotation, segments_touch, vec2};
 use std::f64::consts::PI;
 
@@ -35,10 +36,7 @@ pub fn grid(shapes: &[Shape], region: &Region, settings: &PlacingSettings) -> Re
     };
     let [along, across] = spacing.into();
     require(places.len() >= shapes.len(), || {
-        let (places, shapes) = (places.len(), shapes.len());
-        format!(
-            "the grid of {along:.3} m × {across:.3} m has {places} places in the region; {shapes} shapes are given"
-        )
+        message!(FEW_PLACES, along, across, places = places.len(), shapes = shapes.len())
     })?;
     let poses: Vec<Pose> = extents
         .iter()

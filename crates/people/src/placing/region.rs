@@ -1,7 +1,8 @@
 //! The region in which people may stand.
 
-use crate::error::{PeopleError, Result, require};
+use crate::error::{NO_WALLS, PeopleError, Result, SMALL_AREA, require};
 use crate::random::Random;
+use lemons_core::message::message;
 use lemons_core::plane::{
     Bounds, Ring, Vec2, nearest_on_segment, ray_crosses, segments_cross, sides_that_meet, vec2,
 };
@@ -104,7 +105,7 @@ impl Region {
             }
             named.push((format!("wall {}", wall.id), wall.corners.as_slice()));
         }
-        require(!named.is_empty(), || "no walls: nothing bounds the region".to_owned())?;
+        require(!named.is_empty(), || message!(NO_WALLS))?;
         let area = |k: usize| Ring::through(named[k].1.to_vec()).map_or(0.0, |ring| ring.area());
         let largest = (0..named.len()).max_by(|&a, &b| area(a).total_cmp(&area(b)));
         named.swap(0, largest.unwrap_or(0));
@@ -270,9 +271,7 @@ fn too_few(name: &str, corners: usize) -> PeopleError {
 }
 
 fn check_area(name: &str, area: f64) -> Result<()> {
-    Ok(require(area >= SMALLEST_AREA, || {
-        format!("{name}: its area is {area} m²; at least {SMALLEST_AREA} m² is needed")
-    })?)
+    Ok(require(area >= SMALLEST_AREA, || message!(SMALL_AREA, name, area, least = SMALLEST_AREA))?)
 }
 
 fn checked_ring(name: &str, corners: &[Vec2]) -> Result<Ring> {

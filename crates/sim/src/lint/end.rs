@@ -1,6 +1,8 @@
 //! Findings at the end of a run.
 
+use lemons_core::message::{Message, message};
 use lemons_core::plane::Vec2;
+use lemons_core::rule::sentences::*;
 use lemons_core::trial::{Problem, Rule};
 use lemons_decision::Plan;
 use lemons_decision::target::nearest_exit;
@@ -33,18 +35,14 @@ impl RunEnd {
     /// Returns what is found of people who walk by a plan. `forces` \[N\] drive them at the end; `whole`: the first frame was
     /// that of the beginning.
     pub fn findings(&self, plan: &Plan, forces: Option<&[Vec2]>, whole: bool) -> Vec<Problem> {
-        let stuck = forces.and_then(|forces| self.stuck(plan, forces)).map(|text| (Rule::Stuck, text));
-        let uneven = self.uneven(plan).filter(|_| whole).map(|text| (Rule::Uneven, text));
+        let stuck = forces.and_then(|forces| self.stuck(plan, forces)).map(|message| (Rule::Stuck, message));
+        let uneven = self.uneven(plan).filter(|_| whole).map(|message| (Rule::Uneven, message));
         let all = stuck.into_iter().chain(uneven);
-        all.map(|(rule, text)| {
-            let message = format!("{text} ({})", rule.row().advice);
-            Problem::by(rule, Path::new(""), message)
-        })
-        .collect()
+        all.map(|(rule, message)| Problem::by(rule, Path::new(""), message)).collect()
     }
 
     /// Finds that the last person left by one exit much later than by another, or nobody by that.
-    fn uneven(&self, plan: &Plan) -> Option<String> {
+    fn uneven(&self, plan: &Plan) -> Option<Message> {
         // Those that are closed at times are used unevenly.
         if plan.targets.iter().any(|exit| exit.open.is_some()) {
             return None;
@@ -63,18 +61,15 @@ impl RunEnd {
             return None;
         }
         let before = match least {
-            (_, name, 0.0) => format!("nobody by {name:?}"),
-            (_, name, time) => format!("by {name:?} at {time:.1} s"),
+            (_, exit, 0.0) => message!(NOBODY_BY, exit),
+            (_, exit, time) => message!(BY, exit, time),
         };
-        Some(format!(
-            "exits are used unevenly: the last person left by {:?} at {:.1} s, {before}",
-            most.1, most.2
-        ))
+        Some(message!(USED_UNEVENLY, exit = most.1, time = most.2, before))
     }
 
     /// Finds that in the model `straight` more than half of the people who are there are pushed, want to walk and get no
     /// further.
-    fn stuck(&self, plan: &Plan, forces: &[Vec2]) -> Option<String> {
+    fn stuck(&self, plan: &Plan, forces: &[Vec2]) -> Option<Message> {
         // With legs, who is pushed and stands does not press on.
         if plan.walking_model.sees_others() || plan.balance.is_some() {
             return None;
@@ -89,14 +84,8 @@ impl RunEnd {
         });
         let mut squeezes: Vec<f64> = squeezes.collect();
         squeezes.sort_by(f64::total_cmp);
-        let (stuck, there) = (squeezes.len(), frame.present().count());
-        (2 * stuck > there && stuck > 1).then(|| {
-            format!(
-                "at t = {:.3} s {stuck} of the {there} people who are there press on and get no further (median squeeze \
-                 {:.0} N): in the model \"straight\" people walk on, whoever is in the way",
-                frame.time,
-                squeezes[stuck / 2]
-            )
-        })
+        let (stuck, all) = (squeezes.len(), frame.present().count());
+        (2 * stuck > all && stuck > 1)
+            .then(|| message!(PRESS_ON, time = frame.time, stuck, all, squeeze = squeezes[stuck / 2]))
     }
 }

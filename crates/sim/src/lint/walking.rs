@@ -1,6 +1,8 @@
 //! Models of walking that are used where they are known to fail; exits and ways that nobody reaches.
 
+use lemons_core::message::{Message, message};
 use lemons_core::plane::{Bounds, InPlane, Ring, Vec2, nearest_on_line, segments_cross, vec2};
+use lemons_core::rule::sentences::*;
 use lemons_core::trial::{Geometry, Rule};
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
@@ -19,17 +21,18 @@ const MOST: usize = 2000;
 
 /// Finds a model where people leave, and where they walk against each other: a warning where results are wrong by a
 /// factor, a note where they may be meant so.
-pub(super) fn unfit(plan: &Plan) -> Vec<(Rule, String)> {
+pub(super) fn unfit(plan: &Plan) -> Vec<(Rule, Message)> {
     let (leaving, opposite) = match plan.walking_model {
         WalkingModel::CollisionFreeSpeed(_) => (Rule::SpeedLeaves, Rule::SpeedMeets),
         WalkingModel::SocialForce(_) => (Rule::ForceLeaves, Rule::ForceMeets),
         WalkingModel::Straight(_) => (Rule::StraightLeaves, Rule::StraightMeets),
         WalkingModel::Rotational(_) => return Vec::new(),
     };
-    let leave = plan.leaving().contains(&true).then(|| (leaving, String::new()));
-    let meet = meeting(plan).map(|[one, other]| (opposite, format!("agents {one:?} and {other:?}: ")));
-    let finding = |(rule, who): (Rule, String)| (rule, format!("{who}{}", rule.text()));
-    leave.into_iter().chain(meet).map(finding).collect()
+    let leave = plan.leaving().contains(&true).then(|| (leaving, leaving.message()));
+    let meet = meeting(plan).map(|[one, other]| {
+        (opposite, message!(OF, of = message!(TWO_AGENTS, one, other), finding = opposite.message()))
+    });
+    leave.into_iter().chain(meet).collect()
 }
 
 /// \[m\] Walls keep the centre of everybody who walks so far away.
@@ -40,11 +43,11 @@ const MOST_PAIRS: usize = 50_000_000;
 const ACROSS: usize = 24;
 
 /// Finds exits and ways of a decision.toml that bodies do not reach, because of walls that never open.
-pub(super) fn out_of_reach(plan: &Plan, geometry: &Geometry) -> Vec<(Rule, String)> {
+pub(super) fn out_of_reach(plan: &Plan, geometry: &Geometry) -> Vec<(Rule, Message)> {
     let walls: Vec<Vec<Vec2>> = geometry.fixed_walls().map(|wall| wall.corners.clone()).collect();
-    let exits = exits_at_walls(plan, &walls).into_iter().map(|text| (Rule::ExitHidden, text));
-    let ways = ways_through_walls(plan, &walls).map(|text| (Rule::WayBlocked, text));
-    let points = waypoints_at_walls(plan, &walls).map(|text| (Rule::PointHidden, text));
+    let exits = exits_at_walls(plan, &walls).into_iter().map(|message| (Rule::ExitHidden, message));
+    let ways = ways_through_walls(plan, &walls).map(|message| (Rule::WayBlocked, message));
+    let points = waypoints_at_walls(plan, &walls).map(|message| (Rule::PointHidden, message));
     exits.chain(ways).chain(points).collect()
 }
 
@@ -58,7 +61,7 @@ fn far(walls: &[Vec<Vec2>], p: Vec2) -> f64 {
 }
 
 /// Finds exits that lie so near to a wall, all along, that bodies do not reach them, and areas beyond walls.
-fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
+fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<Message> {
     let deep = plan.agents.iter().map(|agent| 0.5 * agent.depth()).fold(AT_A_WALL, f64::max);
     let is_line_hidden = |a: Vec2, b: Vec2| {
         let across = (b - a).left().unit(0.0).unwrap_or_default() * deep;
@@ -85,35 +88,19 @@ fn exits_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Vec<String> {
     let exits = plan.targets.iter().filter(|target| !target.stay);
     let doubt = |exit: &Target| {
         let corners: Vec<Vec2> = exit.corners.iter().copied().map(Vec2::from).collect();
-        let (is_hidden, what) = match corners[..] {
-            [a, b] => (
-                is_line_hidden(a, b),
-                format!(
-                    "from ({:.2}, {:.2}) to ({:.2}, {:.2}) m lies less than {deep:.2} m before a wall",
-                    a.x, a.y, b.x, b.y
-                ),
-            ),
-            [a, ..] => (
-                is_area_hidden(&corners),
-                format!(
-                    "at ({:.2}, {:.2}) m lies beyond walls, or less than {deep:.2} m before one",
-                    a.x, a.y
-                ),
-            ),
-            [] => return None,
-        };
-        is_hidden.then(|| {
-            format!(
-                "exit {:?} {what}: not everybody gets so near, and who does not reach it does not leave",
-                exit.name
-            )
-        })
+        let exit = &exit.name;
+        match corners[..] {
+            [a, b] => is_line_hidden(a, b)
+                .then(|| message!(EXIT_LINE, exit, x = a.x, y = a.y, to_x = b.x, to_y = b.y, deep)),
+            [a, ..] => is_area_hidden(&corners).then(|| message!(EXIT_AREA, exit, x = a.x, y = a.y, deep)),
+            [] => None,
+        }
     };
     exits.filter_map(doubt).collect()
 }
 
 /// Finds ways to way-points that cross walls: they are straight.
-fn ways_through_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Option<String> {
+fn ways_through_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Option<Message> {
     let leg = |agent: &Planned| {
         let mut from = agent.pose.position;
         agent.walker.waypoints.iter().find_map(|next| {
@@ -132,21 +119,17 @@ fn ways_through_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Option<String> {
     let looked_at = plan.agents.iter().step_by(every);
     let found: Vec<(&str, [Vec2; 2])> =
         looked_at.filter_map(|agent| Some((&agent.id[..], leg(agent)?))).collect();
-    let (first, [from, to]) = found.first()?;
+    let &(agent, [from, to]) = found.first()?;
     let others = match found.len() - 1 {
-        0 => String::new(),
-        others if every == 1 => format!(" (as ways of {others} more do)"),
-        _ => " (as ways of others do)".to_owned(),
+        0 => None,
+        count if every == 1 => Some(message!(AS_MORE_DO, count)),
+        _ => Some(message!(AS_OTHERS_DO)),
     };
-    Some(format!(
-        "the way of agent {first:?} from ({:.2}, {:.2}) to ({:.2}, {:.2}) m crosses a wall{others}: ways to way-points are \
-         straight, and go round nothing",
-        from.x, from.y, to.x, to.y
-    ))
+    Some(message!(WAY_BLOCKED, agent, x = from.x, y = from.y, to_x = to.x, to_y = to.y, others))
 }
 
 /// Finds way-points that are nearer to a wall than anybody gets.
-fn waypoints_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Option<String> {
+fn waypoints_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Option<Message> {
     let mut looked_at: Vec<[f64; 3]> = Vec::new();
     let all = plan.agents.iter().flat_map(|agent| &agent.walker.waypoints);
     all.map(|next| [next.x, next.y, next.radius]).take(MOST).find_map(|at| {
@@ -156,11 +139,7 @@ fn waypoints_at_walls(plan: &Plan, walls: &[Vec<Vec2>]) -> Option<String> {
         looked_at.push(at);
         let [x, y, radius] = at;
         let wall = far(walls, vec2(x, y));
-        (wall + radius < AT_A_WALL).then(|| {
-            format!(
-                "the way-point at ({x:.2}, {y:.2}) m with radius = {radius:.3} m is {wall:.2} m before a wall: nobody gets so near"
-            )
-        })
+        (wall + radius < AT_A_WALL).then(|| message!(POINT_HIDDEN, x, y, radius, wall))
     })
 }
 

@@ -169,7 +169,7 @@ fn check_starts(variable: &FmuVariable, element: Element) -> Result<()> {
     if given > 1 && given != count {
         let why = format!("the variable {:?} has {given} start values, but {count} values", variable.name);
         let texts = matches!(variable.of, FmiType::String | FmiType::Binary);
-        let problem = element.problem(&why);
+        let problem = element.problem(&*why);
         return Err(if texts { problem } else { element.wrong("start", why) }.into());
     }
     if variable.of.class() == FmiType::Real {

@@ -136,7 +136,7 @@ fn a_frame_around_a_room_is_asked_for() {
     // Without a proposal, too; and a frame by its name, whatever meets it.
     let doubt = |lines: &[(&str, &[[f64; 2]], bool)], settings: &PlanSettings| {
         let read = Read::of(DrawingFormat::Dxf, drawn(lines, &[]).as_bytes(), &METRES, settings);
-        read.unwrap().doubt.unwrap_or_default()
+        read.unwrap().doubt.unwrap_or_default().text
     };
     let meets: (&str, &[[f64; 2]], bool) = ("Walls", &[[-20.0, 0.0], [-9.0, 0.0]], false);
     let lines = |layer| [("Walls", &hall[..], true), (layer, &frame[..], true), meets];
