@@ -10,8 +10,8 @@ use crate::output::{Reading, Stop, agents_named};
 use crate::spec::Spec;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;
-use lemons_results::Frame;
 use lemons_results::measure::{BalanceOverTime, Density, MeasuringArea, Passages, SqueezeOverTime};
+use lemons_results::{Effects, Frame};
 use lemons_sim::Simulation;
 use std::collections::HashMap;
 
@@ -124,7 +124,7 @@ impl<'a> Accumulators<'a> {
             None => false,
         };
         if kept {
-            self.frames.push(Frame { observed: None, walls: None, legs: None, ..frame });
+            self.frames.push(Frame { effects: Effects::default(), walls: None, legs: None, ..frame });
         }
         Ok(holds)
     }
