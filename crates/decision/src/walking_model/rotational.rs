@@ -19,7 +19,7 @@
 //! trajectories of experiments (`examples/experiments.py`, `docs/validation.md`).
 
 use super::near::facing;
-use super::{CLOSE, DesiredMotion, FAR, Walk, Walking};
+use super::{CLOSE, DesiredMotion, FAR, Unfit, Walk, Walking};
 use crate::cells::{Cells, nearest_points, sees};
 use crate::error::{PlanError, moderate, not_negative, positive};
 use lemons_core::plane::{InPlane, Rotation, Vec2, rotation, vec2};
@@ -148,6 +148,10 @@ impl Walk for Rotational {
 
     fn turns_shoulders(&self) -> bool {
         true
+    }
+
+    fn unfit(&self) -> Unfit {
+        Unfit::default()
     }
 
     fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {

@@ -3,9 +3,10 @@
 
 use super::near::{self, Near, queues, repulsion};
 use super::straight::straight;
-use super::{CLOSE, DesiredMotion, FAR, Walk, Walking};
+use super::{CLOSE, DesiredMotion, FAR, Unfit, Walk, Walking};
 use crate::error::{PlanError, moderate, positive};
 use lemons_core::plane::Vec2;
+use lemons_core::trial::Rule;
 use serde::{Deserialize, Serialize};
 
 /// Constants of the social force model.
@@ -28,6 +29,10 @@ impl Walk for SocialForce {
     fn check(&self) -> Result<(), PlanError> {
         moderate("social-force", "strength", self.strength)?;
         positive("social-force", "range", self.range)
+    }
+
+    fn unfit(&self) -> Unfit {
+        Unfit { leaving: Some(Rule::ForceLeaves), meeting: Some(Rule::ForceMeets) }
     }
 
     fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {

@@ -5,7 +5,7 @@ use lemons_core::trial::{Geometry, Rule};
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
 use lemons_decision::target::{Target, Ways};
-use lemons_decision::walking_model::WalkingModel;
+use lemons_decision::walking_model::Unfit;
 use std::collections::BTreeSet;
 
 /// \[m\] People whose ways are further apart than this do not meet.
@@ -20,14 +20,12 @@ const MOST: usize = 2000;
 /// Finds a model where people leave, and where they walk against each other: a warning where results are wrong by a
 /// factor, a note where they may be meant so.
 pub(super) fn unfit(plan: &Plan) -> Vec<(Rule, String)> {
-    let (leaving, opposite) = match plan.walking_model {
-        WalkingModel::CollisionFreeSpeed(_) => (Rule::SpeedLeaves, Rule::SpeedMeets),
-        WalkingModel::SocialForce(_) => (Rule::ForceLeaves, Rule::ForceMeets),
-        WalkingModel::Straight(_) => (Rule::StraightLeaves, Rule::StraightMeets),
-        WalkingModel::Rotational(_) => return Vec::new(),
-    };
-    let leave = plan.leaving().contains(&true).then(|| (leaving, String::new()));
-    let meet = meeting(plan).map(|[one, other]| (opposite, format!("agents {one:?} and {other:?}: ")));
+    let Unfit { leaving, meeting } = plan.walking_model.unfit();
+    let leave = leaving.filter(|_| plan.leaving().contains(&true)).map(|rule| (rule, String::new()));
+    let meet = meeting.and_then(|rule| {
+        let [one, other] = who_meet(plan)?;
+        Some((rule, format!("agents {one:?} and {other:?}: ")))
+    });
     let finding = |(rule, who): (Rule, String)| (rule, format!("{who}{}", rule.text()));
     leave.into_iter().chain(meet).map(finding).collect()
 }
@@ -202,7 +200,7 @@ impl<'a> Way<'a> {
 }
 
 /// Returns two who walk towards each other, if many do. Only the first parts of the ways are looked at.
-fn meeting<'a>(plan: &'a Plan) -> Option<[&'a str; 2]> {
+fn who_meet<'a>(plan: &'a Plan) -> Option<[&'a str; 2]> {
     let ways = plan.ways().ok()?;
     let every = plan.agents.len().div_ceil(MOST);
     let looked_at = plan.agents.iter().step_by(every);
