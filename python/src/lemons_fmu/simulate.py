@@ -57,10 +57,9 @@ def simulate(
 ) -> pd.DataFrame:
     """Simulates as `run`, and returns the table that `lemons run` writes, to the last bit.
 
-    The columns are t, id, x, y, vx, vy, theta, omega, agent_contacts, wall_contacts, contacting_agents, normal_force (at that
-    time), mean_normal_force, peak_normal_force, peak_overlap, mean_wall_force (within the step that ends then), active
-    (where people may leave: 1, or 0 for who has left), legs_x, legs_y, steps, balanced, fallen (where people have legs), and
-    total_agent_contacts, total_wall_contacts of the crowd. Units are s, m, rad, N.
+    The columns are those of docs/reference/tables.md: t, id, motion, contacts at that time and over the step that ends then,
+    active (where people may leave: 1, or 0 for who has left), legs (where people have some), and contacts of the crowd.
+    Units are s, m, rad, N.
 
     Raises:
         ImportError: there is no pandas: `pip install 'lemons-fmu[tables]'`. Other errors are those of `run`.
