@@ -57,8 +57,9 @@ pub trait Walk {
         false
     }
 
-    /// Returns the rules that warn of the model where it is known to fail.
-    fn unfit(&self) -> Unfit;
+    /// Returns the rules that warn of the model where it is known to fail: where people leave, and where many walk
+    /// against each other.
+    fn unfit(&self) -> [Option<Rule>; 2];
 
     /// Returns what everybody wants; `None` for those who are not there, whom nobody sees.
     fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion>;
@@ -133,15 +134,6 @@ macro_rules! models {
 }
 
 with_models!(models);
-
-/// Rules that warn of a model.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Unfit {
-    /// Where people leave.
-    pub leaving: Option<Rule>,
-    /// Where many walk against each other.
-    pub meeting: Option<Rule>,
-}
 
 /// Ranges: from a gap of so many on, repulsion is not counted. It is below 1e-5 of that at a gap of 0.
 const FAR: f64 = 12.0;

@@ -117,6 +117,8 @@ macro_rules! quantities {
         impl Effect {
             /// All of them.
             pub const ALL: [Effect; [$(Effect::$effect),*].len()] = [$(Effect::$effect),*];
+            /// How many are of whole communication steps.
+            pub const OF_STEPS: usize = $(!matches!(Merge::$merge, Merge::Last) as usize +)* 0;
         }
 
         /// Every quantity, in the order of the columns; those of the whole crowd last.
@@ -219,16 +221,6 @@ quantities! {
 
 /// Every quantity of the table of a run.
 pub const ALL: Groups = Groups((1 << QUANTITIES.len()) - 1);
-
-/// How many effects are of whole communication steps.
-pub const OF_STEPS: usize = {
-    let (mut count, mut place) = (0, 0);
-    while place < QUANTITIES.len() {
-        count += !matches!(QUANTITIES[place].merge, Merge::Last) as usize;
-        place += 1;
-    }
-    count
-};
 
 /// Returns the quantity with this name.
 pub fn with_name(name: &str) -> Option<&'static RecordedQuantity> {

@@ -1,7 +1,7 @@
 //! Exposure of a crowd: at worst, and since the last rows of a table.
 
 use lemons_results::Frame;
-use lemons_results::columns::{Effect, Merge, OF_STEPS, QUANTITIES};
+use lemons_results::columns::{Effect, Merge, QUANTITIES};
 use serde::{Deserialize, Serialize};
 
 /// The extremes of a run, over whole communication steps where frames have such numbers.
@@ -70,7 +70,7 @@ pub struct ExposureSum {
     /// \[s\] The length of these steps.
     duration: f64,
     /// For each agent the quantities of whole steps, in the order of the table.
-    agents: Vec<[f64; OF_STEPS]>,
+    agents: Vec<[f64; Effect::OF_STEPS]>,
 }
 
 impl ExposureSum {
@@ -84,18 +84,16 @@ impl ExposureSum {
         if !frame.effects.knows(Effect::MeanNormalForce) {
             return;
         }
-        let first = self.agents.is_empty();
-        if first {
-            *self = ExposureSum { duration: 0.0, agents: vec![Default::default(); frame.agents.len()] };
-        }
         self.duration += length;
+        let part = if self.agents.is_empty() { 1.0 } else { length / self.duration };
+        self.agents.resize(frame.agents.len(), Default::default());
         for (agent, sums) in self.agents.iter_mut().enumerate() {
             for (sum, (effect, merge)) in sums.iter_mut().zip(of_steps()) {
                 let step = frame.effects.get(effect, agent).unwrap_or_default();
                 *sum = match merge {
-                    Merge::Mean if !first => *sum + (step - *sum) * (length / self.duration),
+                    Merge::Mean => *sum + (step - *sum) * part,
                     Merge::Max => sum.max(step),
-                    Merge::Mean | Merge::Last => step,
+                    Merge::Last => step,
                 };
             }
         }

@@ -5,7 +5,7 @@
 //! defaults are those of JuPedSim 1.4.
 
 use super::near::{self, Near, facing, in_front, queues, repulsion};
-use super::{CLOSE, DesiredMotion, FAR, Unfit, Walk, Walking};
+use super::{CLOSE, DesiredMotion, FAR, Walk, Walking};
 use crate::error::{PlanError, moderate, positive};
 use lemons_core::plane::{InPlane, Vec2, rotation};
 use lemons_core::trial::Rule;
@@ -53,8 +53,8 @@ impl Walk for CollisionFreeSpeed {
         self.time_gap
     }
 
-    fn unfit(&self) -> Unfit {
-        Unfit { leaving: Some(Rule::SpeedLeaves), meeting: Some(Rule::SpeedMeets) }
+    fn unfit(&self) -> [Option<Rule>; 2] {
+        [Some(Rule::SpeedLeaves), Some(Rule::SpeedMeets)]
     }
 
     fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {

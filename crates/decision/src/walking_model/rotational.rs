@@ -19,10 +19,11 @@
 //! trajectories of experiments (`examples/experiments.py`, `docs/validation.md`).
 
 use super::near::facing;
-use super::{CLOSE, DesiredMotion, FAR, Unfit, Walk, Walking};
+use super::{CLOSE, DesiredMotion, FAR, Walk, Walking};
 use crate::cells::{Cells, nearest_points, sees};
 use crate::error::{PlanError, moderate, not_negative, positive};
 use lemons_core::plane::{InPlane, Rotation, Vec2, rotation, vec2};
+use lemons_core::trial::Rule;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
@@ -150,8 +151,8 @@ impl Walk for Rotational {
         true
     }
 
-    fn unfit(&self) -> Unfit {
-        Unfit::default()
+    fn unfit(&self) -> [Option<Rule>; 2] {
+        [None; 2]
     }
 
     fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {

@@ -3,7 +3,7 @@
 
 use super::near::{self, Near, queues, repulsion};
 use super::straight::straight;
-use super::{CLOSE, DesiredMotion, FAR, Unfit, Walk, Walking};
+use super::{CLOSE, DesiredMotion, FAR, Walk, Walking};
 use crate::error::{PlanError, moderate, positive};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Rule;
@@ -31,8 +31,8 @@ impl Walk for SocialForce {
         positive("social-force", "range", self.range)
     }
 
-    fn unfit(&self) -> Unfit {
-        Unfit { leaving: Some(Rule::ForceLeaves), meeting: Some(Rule::ForceMeets) }
+    fn unfit(&self) -> [Option<Rule>; 2] {
+        [Some(Rule::ForceLeaves), Some(Rule::ForceMeets)]
     }
 
     fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {

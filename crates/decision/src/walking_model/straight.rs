@@ -1,6 +1,6 @@
 //! Straight on, whoever is in the way: the paper's eq. 4.
 
-use super::{DesiredMotion, Unfit, Walk, Walking};
+use super::{DesiredMotion, Walk, Walking};
 use crate::error::PlanError;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Rule;
@@ -19,8 +19,8 @@ impl Walk for Straight {
         false
     }
 
-    fn unfit(&self) -> Unfit {
-        Unfit { leaving: Some(Rule::StraightLeaves), meeting: Some(Rule::StraightMeets) }
+    fn unfit(&self) -> [Option<Rule>; 2] {
+        [Some(Rule::StraightLeaves), Some(Rule::StraightMeets)]
     }
 
     fn desired(&self, people: &[Option<Walking<'_>>], _: &[[Vec2; 2]]) -> Vec<DesiredMotion> {

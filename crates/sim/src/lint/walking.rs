@@ -5,7 +5,6 @@ use lemons_core::trial::{Geometry, Rule};
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
 use lemons_decision::target::{Target, Ways};
-use lemons_decision::walking_model::Unfit;
 use std::collections::BTreeSet;
 
 /// \[m\] People whose ways are further apart than this do not meet.
@@ -20,7 +19,7 @@ const MOST: usize = 2000;
 /// Finds a model where people leave, and where they walk against each other: a warning where results are wrong by a
 /// factor, a note where they may be meant so.
 pub(super) fn unfit(plan: &Plan) -> Vec<(Rule, String)> {
-    let Unfit { leaving, meeting } = plan.walking_model.unfit();
+    let [leaving, meeting] = plan.walking_model.unfit();
     let leave = leaving.filter(|_| plan.leaving().contains(&true)).map(|rule| (rule, String::new()));
     let meet = meeting.and_then(|rule| {
         let [one, other] = who_meet(plan)?;
