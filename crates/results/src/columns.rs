@@ -19,10 +19,9 @@ pub struct RecordedQuantity {
     pub description: &'static str,
     /// The columns with which it comes.
     pub group: Group,
-    /// Where a frame holds it, if it is an effect of the contacts on an agent.
-    pub effect: Option<Effect>,
-    /// How the numbers of several communication steps become one (`--every`).
-    pub merge: Merge,
+    /// Where a frame holds it, if it is an effect of the contacts on an agent, and how several communication steps
+    /// become one (`--every`).
+    pub effect: Option<(Effect, Merge)>,
     domain: Domain,
     /// Returns it of an agent of a frame; 0 if it is not recorded.
     pub(crate) get: fn(&Frame, usize) -> f64,
@@ -123,28 +122,24 @@ macro_rules! quantities {
 
         /// Every quantity, in the order of the columns; those of the whole crowd last.
         pub const QUANTITIES: [RecordedQuantity; [$($name,)* $($column,)* $($last),*].len()] = [
-            $(number!(quantity $name, $variable, $domain, $group, $field, $description),)*
-            $(RecordedQuantity {
-                effect: Some(Effect::$effect),
-                merge: Merge::$merge,
-                ..number!(quantity $column, stringify!($effect), $range, $with, ($effect), $meaning)
-            },)*
-            $(number!(quantity $last, $output, $of, $among, $place, $words),)*
+            $(number!(quantity None, $name, $variable, $domain, $group, $field, $description),)*
+            $(number!(quantity Some((Effect::$effect, Merge::$merge)), $column, stringify!($effect), $range, $with,
+                ($effect), $meaning),)*
+            $(number!(quantity None, $last, $output, $of, $among, $place, $words),)*
         ];
     };
 }
 
 /// Makes a quantity, gets or sets its number of a frame, which holds it as its group says.
 macro_rules! number {
-    (quantity $name:expr, $variable:expr, $domain:expr, $group:ident, $field:tt, $description:expr) => {
+    (quantity $effect:expr, $name:expr, $variable:expr, $domain:expr, $group:ident, $field:tt, $description:expr) => {
         RecordedQuantity {
             name: $name,
             variable: $variable,
             unit: if let Real(unit) | Size(unit) = $domain { Some(unit) } else { None },
             description: $description,
             group: Group::$group,
-            effect: None,
-            merge: Merge::Last,
+            effect: $effect,
             domain: $domain,
             get: |frame, agent| number!(get $group frame agent $field),
             set: |frame, agent, value| number!(set $group frame agent value $field),
@@ -260,7 +255,7 @@ impl Groups {
     /// Returns those that a frame has.
     pub fn of(frame: &Frame) -> Groups {
         Groups::where_is(|quantity| match (quantity.effect, quantity.group) {
-            (Some(effect), _) => frame.effects.knows(effect),
+            (Some((effect, _)), _) => frame.effects.knows(effect),
             (_, Group::Active) => frame.active.is_some(),
             (_, Group::Legs) => frame.legs.is_some(),
             (_, Group::Totals) => frame.totals.is_some(),
@@ -328,7 +323,7 @@ impl Groups {
     /// Makes a frame of so many agents, all of whose numbers in these columns are 0.
     pub(crate) fn zeros(self, agents: usize, time: f64) -> Frame {
         let mut effects = Effects::default();
-        for effect in self.quantities().filter_map(|(_, quantity)| quantity.effect) {
+        for (effect, _) in self.quantities().filter_map(|(_, quantity)| quantity.effect) {
             effects.record(effect, (0..agents).map(|_| 0.0));
         }
         Frame {

@@ -122,6 +122,5 @@ impl ExposureSum {
 
 /// Returns the effects of whole steps, and how those of several steps become one.
 fn of_steps() -> impl Iterator<Item = (Effect, Merge)> {
-    let effects = QUANTITIES.iter().filter_map(|quantity| Some((quantity.effect?, quantity.merge)));
-    effects.filter(|(_, merge)| *merge != Merge::Last)
+    QUANTITIES.iter().filter_map(|quantity| quantity.effect).filter(|(_, merge)| *merge != Merge::Last)
 }

@@ -63,7 +63,7 @@ impl<'t> Replay<'t> {
 static OUTPUTS: LazyLock<Vec<(&RecordedQuantity, Effect, CrowdQuantity)>> = LazyLock::new(|| {
     let output = |of: &'static RecordedQuantity| {
         let row = crowd_mechanics::quantities::QUANTITIES.iter().find(|row| row.name == of.variable);
-        Some((of, of.effect?, row.expect("an effect is an output of the crowd").quantity))
+        Some((of, of.effect?.0, row.expect("an effect is an output of the crowd").quantity))
     };
     columns::QUANTITIES.iter().filter_map(output).collect()
 });
