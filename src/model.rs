@@ -20,7 +20,7 @@ use lemons_core::trial::{DriveTable, Trial};
 use lemons_fmi::variables::Role;
 use lemons_fmi::{Answer, Phase, refuse};
 use packed::Packed;
-use running::{agent_of_drive, give_threads, read};
+use running::{agent_of_drive, give_threads};
 use settings::Settings;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -267,7 +267,7 @@ impl CrowdModel {
             CrowdQuantity::Active => self.settings.elements.get(&(quantity, element)).copied().unwrap_or(1.0),
             _ if quantity.row().role == Role::Calculated => {
                 let mut value = [0.0];
-                read(self.make_world()?, quantity, element, &mut value);
+                quantity.read(self.make_world()?, element, &mut value);
                 value[0]
             }
             _ => 0.0,

@@ -6,6 +6,7 @@
 //! each two materials, a symmetric matrix; one of walls for each straight piece of a wall, in the
 //! order of Geometry.xml.
 
+use crate::engine::{BodyId, World};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{ContactCoefficients, Materials, Trial, Wall};
 use lemons_fmi::variables::types::*;
@@ -17,52 +18,6 @@ use uuid::Uuid;
 /// Default of `MostMechanicalSteps`. So many steps take some minutes for five people, half a day
 /// for a thousand.
 pub const MOST_MECHANICAL_STEPS: f64 = 1e9;
-
-/// A quantity: a row of [`QUANTITIES`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[allow(missing_docs)] // the table says it
-pub enum CrowdQuantity {
-    TimeStepMechanical,
-    MostMechanicalSteps,
-    IntermediateSteps,
-    Threads,
-    Trial,
-    PlayDrive,
-    OutputDirectory,
-    TotalAgentContacts,
-    TotalWallContacts,
-    CoincidentContacts,
-    LargestOverlap,
-    Fp,
-    Mp,
-    Active,
-    Position,
-    Theta,
-    Velocity,
-    Omega,
-    AgentContacts,
-    WallContacts,
-    ContactingAgents,
-    NormalForce,
-    MeanNormalForce,
-    MeanPeopleForce,
-    MeanWallForce,
-    PeakNormalForce,
-    PeakOverlap,
-    WallMeanNormalForce,
-    WallPeakNormalForce,
-    Mass,
-    MomentOfInertia,
-    FloorDamping,
-    AngularDamping,
-    YoungModulus,
-    ShearModulus,
-    GammaNormal,
-    GammaTangential,
-    KineticFriction,
-    AgentId,
-    MaterialId,
-}
 
 /// The structural parameters.
 pub const SIZES: [Size; 3] = [
@@ -95,112 +50,128 @@ const FORCES: &[CrowdQuantity] = &[
 /// Beginning of the names of arrays of walls; in FMI 2.0 it is before the name.
 const WALL: &str = "Wall";
 
-/// The table. Where an array of agents has the name that FMI 2.0 gives a number of the whole crowd,
-/// the number is called a total.
-pub static QUANTITIES: [Variable<CrowdQuantity>; 40] = {
-    use CrowdQuantity::*;
-    use Domain::*;
-    use VariableType::*;
-    [
-        row(TimeStepMechanical, "TimeStepMechanical", ONE_VALUE, Real(DURATION))
-            .parameter(Positive, "longest step of the integrator"),
-        row(MostMechanicalSteps, "MostMechanicalSteps", ONE_VALUE, Real(COUNT)).parameter(
-            Positive,
-            "a communication step of more mechanical steps is refused: nobody could cancel it",
-        ),
-        row(IntermediateSteps, "IntermediateSteps", ONE_VALUE, Integer).parameter(
-            NonNegative,
-            "mechanical steps between intermediate updates within a communication step; 0: none",
-        ),
-        row(Threads, "Threads", ONE_VALUE, Integer).parameter(
-            Positive,
-            "threads this instance may use, up to one for each 512 agents; results do not depend on it",
-        ),
-        row(Trial, "Trial", ONE_VALUE, String).parameter(Finite, "which packed Trial to load"),
-        row(PlayDrive, "PlayDrive", ONE_VALUE, Boolean).parameter(
+/// Makes the quantities: name, dimensions, type; role and description, by the methods of a [`Variable`]; and how an
+/// element is read from a running world, if it is there.
+macro_rules! quantities {
+    ($($name:ident: $dimensions:expr, $kind:expr, $(.$method:ident($($argument:tt)*))+
+       $(, |$world:ident, $element:pat_param| $read:expr)?;)*) => {
+        /// A quantity: a row of [`QUANTITIES`].
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+        #[allow(missing_docs)] // the table says it
+        pub enum CrowdQuantity { $($name),* }
+
+        /// The table. Where an array of agents has the name that FMI 2.0 gives a number of the whole crowd, the number is
+        /// called a total.
+        pub static QUANTITIES: [Variable<CrowdQuantity>; [$(CrowdQuantity::$name),*].len()] = {
+            use CrowdQuantity::*;
+            use Domain::*;
+            use VariableType::*;
+            [$(row($name, stringify!($name), $dimensions, $kind)$(.$method($($argument)*))+),*]
+        };
+
+        impl CrowdQuantity {
+            /// Reads elements from a running world, from an element on. Returns whether the world has it.
+            #[inline(always)]
+            pub fn read(self, world: &World, first: usize, values: &mut [f64]) -> bool {
+                match self {
+                    $($(CrowdQuantity::$name => {
+                        let number = |$world: &World, $element: usize| -> f64 { $read };
+                        values.iter_mut().enumerate().for_each(|(k, value)| *value = number(world, first + k));
+                    })?)*
+                    _ => return false,
+                }
+                true
+            }
+        }
+    };
+}
+
+quantities! {
+    TimeStepMechanical: ONE_VALUE, Real(DURATION), .parameter(Positive, "longest step of the integrator");
+    MostMechanicalSteps: ONE_VALUE, Real(COUNT),
+        .parameter(Positive, "a communication step of more mechanical steps is refused: nobody could cancel it");
+    IntermediateSteps: ONE_VALUE, Integer,
+        .parameter(NonNegative, "mechanical steps between intermediate updates within a communication step; 0: none");
+    Threads: ONE_VALUE, Integer,
+        .parameter(Positive, "threads this instance may use, up to one for each 512 agents; results do not depend on it");
+    Trial: ONE_VALUE, String, .parameter(Finite, "which packed Trial to load");
+    PlayDrive: ONE_VALUE, Boolean,
+        .parameter(
             Finite,
             "whether the drive.csv of the packed Trial, if it has one, drives its \
              agents; not those whose Fp or Mp is set",
-        ),
-        row(OutputDirectory, "OutputDirectory", ONE_VALUE, String)
-            .parameter(Finite, "if not empty: XML files are written there after every step"),
-        row(TotalAgentContacts, "TotalAgentContacts", ONE_VALUE, Integer)
-            .calculated("disk-disk contacts of the crowd, each pair once")
-            .initially_on(PLACES),
-        row(TotalWallContacts, "TotalWallContacts", ONE_VALUE, Integer)
-            .calculated("disk-face contacts of the crowd")
-            .initially_on(PLACES),
-        row(CoincidentContacts, "CoincidentContacts", ONE_VALUE, Integer)
-            .calculated("of these contacts, those of centres at one place: no force acts between them")
-            .initially_on(PLACES),
-        row(LargestOverlap, "LargestOverlap", ONE_VALUE, Real(OVERLAP))
-            .calculated("largest PeakOverlap: deepest overlap of the crowd within the last step")
-            .initially_on(PLACES),
-        row(Fp, "Fp", VECTORS, Real(FORCE)).input("propulsion force along x and y"),
-        row(Mp, "Mp", AGENTS, Real(TORQUE)).input("propulsion torque"),
-        row(Active, "Active", AGENTS, Boolean)
-            .input("whether it is there from the next step on; if not, it touches nothing and does not move"),
-        row(Position, "Position", VECTORS, Real(POSITION)).exact("x and y of the centre of mass"),
-        row(Theta, "Theta", AGENTS, Real(ANGLE)).exact("orientation: angle from the x axis to the gaze"),
-        row(Velocity, "Velocity", VECTORS, Real(VELOCITY)).exact("velocity along x and y"),
-        row(Omega, "Omega", AGENTS, Real(ANGULAR_VELOCITY)).exact("angular velocity"),
-        row(AgentContacts, "AgentContacts", AGENTS, Integer)
-            .calculated("disk-disk contacts")
-            .initially_on(PLACES),
-        row(WallContacts, "WallContacts", AGENTS, Integer)
-            .calculated("disk-face contacts")
-            .initially_on(PLACES),
-        row(ContactingAgents, "ContactingAgents", AGENTS, Integer)
-            .calculated("different agents that touch it")
-            .initially_on(PLACES),
-        row(NormalForce, "NormalForce", AGENTS, Real(NORMAL_FORCE))
-            .calculated("squeeze at the communication point: sum of |Fn| over its contacts")
-            .initially_on(FORCES),
-        row(MeanNormalForce, "MeanNormalForce", AGENTS, Real(NORMAL_FORCE))
-            .calculated("mean squeeze: time average of NormalForce over the last step")
-            .initially_on(FORCES),
-        row(MeanPeopleForce, "MeanPeopleForce", AGENTS, Real(NORMAL_FORCE))
-            .calculated("mean squeeze by other agents: the part of MeanNormalForce that is not by walls")
-            .initially_on(FORCES),
-        row(MeanWallForce, "MeanWallForce", AGENTS, Real(NORMAL_FORCE))
-            .calculated("mean squeeze by walls: time average of the sum of |Fn| over its contacts with walls")
-            .initially_on(FORCES),
-        row(PeakNormalForce, "PeakNormalForce", AGENTS, Real(NORMAL_FORCE))
-            .calculated("peak squeeze: largest NormalForce within the last step")
-            .initially_on(FORCES),
-        row(PeakOverlap, "PeakOverlap", AGENTS, Real(OVERLAP))
-            .calculated("deepest overlap of its contacts within the last step")
-            .initially_on(PLACES),
-        row(WallMeanNormalForce, "WallMeanNormalForce", WALLS, Real(NORMAL_FORCE))
-            .calculated("time average of the sum of |Fn| over its contacts with agents over the last step")
-            .initially_on(FORCES),
-        row(WallPeakNormalForce, "WallPeakNormalForce", WALLS, Real(NORMAL_FORCE))
-            .calculated("largest sum of |Fn| over its contacts with agents within the last step")
-            .initially_on(FORCES),
-        row(Mass, "Mass", AGENTS, Real(MASS)).parameter(Positive, "mass"),
-        row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(INERTIA))
-            .parameter(Positive, "moment of inertia about the centre of mass"),
-        row(FloorDamping, "FloorDamping", AGENTS, Real(RATE))
-            .parameter(NonNegative, "relaxation rate of the velocity, 1/t_transl"),
-        row(AngularDamping, "AngularDamping", AGENTS, Real(RATE))
-            .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot"),
-        row(YoungModulus, "YoungModulus", MATERIALS, Real(MODULUS))
-            .parameter(Positive, "2D Young modulus E; E < 4 G"),
-        row(ShearModulus, "ShearModulus", MATERIALS, Real(MODULUS)).parameter(Positive, "2D shear modulus G"),
-        row(GammaNormal, "GammaNormal", PAIRS, Real(DAMPING))
-            .parameter(NonNegative, "damping along the normal"),
-        row(GammaTangential, "GammaTangential", PAIRS, Real(DAMPING))
-            .parameter(NonNegative, "damping along the tangent"),
-        row(KineticFriction, "KineticFriction", PAIRS, Real(FRICTION))
-            .parameter(NonNegative, "Coulomb's coefficient"),
-        row(AgentId, "AgentId", AGENTS, String)
-            .calculated_parameter("Ids of the agents")
-            .initially_on(&[Trial]),
-        row(MaterialId, "MaterialId", MATERIALS, String)
-            .calculated_parameter("Ids of the materials")
-            .initially_on(&[Trial]),
-    ]
-};
+        );
+    OutputDirectory: ONE_VALUE, String,
+        .parameter(Finite, "if not empty: XML files are written there after every step");
+    TotalAgentContacts: ONE_VALUE, Integer,
+        .calculated("disk-disk contacts of the crowd, each pair once").initially_on(PLACES),
+        |world, _| world.contacts().agent_contacts.into();
+    TotalWallContacts: ONE_VALUE, Integer, .calculated("disk-face contacts of the crowd").initially_on(PLACES),
+        |world, _| world.contacts().wall_contacts.into();
+    CoincidentContacts: ONE_VALUE, Integer,
+        .calculated("of these contacts, those of centres at one place: no force acts between them")
+        .initially_on(PLACES), |world, _| world.contacts().coincident.len() as f64;
+    LargestOverlap: ONE_VALUE, Real(OVERLAP),
+        .calculated("largest PeakOverlap: deepest overlap of the crowd within the last step")
+        .initially_on(PLACES), |world, _| world.largest_overlap();
+    Fp: VECTORS, Real(FORCE), .input("propulsion force along x and y"),
+        |world, k| axis_of(world.drive[k / 2].force, k);
+    Mp: AGENTS, Real(TORQUE), .input("propulsion torque"), |world, i| world.drive[i].torque;
+    Active: AGENTS, Boolean,
+        .input("whether it is there from the next step on; if not, it touches nothing and does not move"),
+        |world, i| world.is_present(BodyId::from(i)).into();
+    Position: VECTORS, Real(POSITION), .exact("x and y of the centre of mass"),
+        |world, k| axis_of(world.state().poses[k / 2].position, k);
+    Theta: AGENTS, Real(ANGLE), .exact("orientation: angle from the x axis to the gaze"),
+        |world, i| world.state().poses[i].orientation;
+    Velocity: VECTORS, Real(VELOCITY), .exact("velocity along x and y"),
+        |world, k| axis_of(world.state().twists[k / 2].velocity, k);
+    Omega: AGENTS, Real(ANGULAR_VELOCITY), .exact("angular velocity"),
+        |world, i| world.state().twists[i].angular_velocity;
+    AgentContacts: AGENTS, Integer, .calculated("disk-disk contacts").initially_on(PLACES),
+        |world, i| world.contacts().bodies[i].agent_contacts.into();
+    WallContacts: AGENTS, Integer, .calculated("disk-face contacts").initially_on(PLACES),
+        |world, i| world.contacts().bodies[i].wall_contacts.into();
+    ContactingAgents: AGENTS, Integer, .calculated("different agents that touch it").initially_on(PLACES),
+        |world, i| world.contacts().bodies[i].touching_bodies.into();
+    NormalForce: AGENTS, Real(NORMAL_FORCE),
+        .calculated("squeeze at the communication point: sum of |Fn| over its contacts").initially_on(FORCES),
+        |world, i| world.contacts().bodies[i].squeeze;
+    MeanNormalForce: AGENTS, Real(NORMAL_FORCE),
+        .calculated("mean squeeze: time average of NormalForce over the last step").initially_on(FORCES),
+        |world, i| world.exposures()[i].mean_force;
+    MeanPeopleForce: AGENTS, Real(NORMAL_FORCE),
+        .calculated("mean squeeze by other agents: the part of MeanNormalForce that is not by walls")
+        .initially_on(FORCES), |world, i| world.exposures()[i].mean_people_force();
+    MeanWallForce: AGENTS, Real(NORMAL_FORCE),
+        .calculated("mean squeeze by walls: time average of the sum of |Fn| over its contacts with walls")
+        .initially_on(FORCES), |world, i| world.exposures()[i].mean_wall_force;
+    PeakNormalForce: AGENTS, Real(NORMAL_FORCE),
+        .calculated("peak squeeze: largest NormalForce within the last step").initially_on(FORCES),
+        |world, i| world.exposures()[i].peak_force;
+    PeakOverlap: AGENTS, Real(OVERLAP),
+        .calculated("deepest overlap of its contacts within the last step").initially_on(PLACES),
+        |world, i| world.exposures()[i].peak_overlap;
+    // A Trial that was chosen later may have fewer walls, or none.
+    WallMeanNormalForce: WALLS, Real(NORMAL_FORCE),
+        .calculated("time average of the sum of |Fn| over its contacts with agents over the last step")
+        .initially_on(FORCES), |world, k| world.face_exposures().get(k).map_or(0.0, |of| of.mean_force);
+    WallPeakNormalForce: WALLS, Real(NORMAL_FORCE),
+        .calculated("largest sum of |Fn| over its contacts with agents within the last step")
+        .initially_on(FORCES), |world, k| world.face_exposures().get(k).map_or(0.0, |of| of.peak_force);
+    Mass: AGENTS, Real(MASS), .parameter(Positive, "mass");
+    MomentOfInertia: AGENTS, Real(INERTIA), .parameter(Positive, "moment of inertia about the centre of mass");
+    FloorDamping: AGENTS, Real(RATE), .parameter(NonNegative, "relaxation rate of the velocity, 1/t_transl");
+    AngularDamping: AGENTS, Real(RATE),
+        .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot");
+    YoungModulus: MATERIALS, Real(MODULUS), .parameter(Positive, "2D Young modulus E; E < 4 G");
+    ShearModulus: MATERIALS, Real(MODULUS), .parameter(Positive, "2D shear modulus G");
+    GammaNormal: PAIRS, Real(DAMPING), .parameter(NonNegative, "damping along the normal");
+    GammaTangential: PAIRS, Real(DAMPING), .parameter(NonNegative, "damping along the tangent");
+    KineticFriction: PAIRS, Real(FRICTION), .parameter(NonNegative, "Coulomb's coefficient");
+    AgentId: AGENTS, String, .calculated_parameter("Ids of the agents").initially_on(&[Trial]);
+    MaterialId: MATERIALS, String, .calculated_parameter("Ids of the materials").initially_on(&[Trial]);
+}
 
 impl CrowdQuantity {
     /// Returns whether it has an element for each two materials.
@@ -356,6 +327,10 @@ pub(crate) fn field(trial: &mut Trial, quantity: CrowdQuantity, element: usize) 
     })
 }
 
+fn axis_of(mut vector: Vec2, element: usize) -> f64 {
+    *axis(&mut vector, element)
+}
+
 fn axis(vector: &mut Vec2, element: usize) -> &mut f64 {
     if element.is_multiple_of(2) { &mut vector.x } else { &mut vector.y }
 }
@@ -385,13 +360,6 @@ pub(crate) fn ids_of_pair(materials: &Materials, element: usize) -> Option<[&str
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn each_quantity_has_the_row_at_its_place() {
-        for (place, row) in QUANTITIES.iter().enumerate() {
-            assert_eq!((row.quantity as usize, format!("{:?}", row.quantity).as_str()), (place, row.name));
-        }
-    }
 
     #[test]
     fn ids_become_parts_of_structured_names() {

@@ -9,15 +9,9 @@ import { OpenTimes } from "./opentimes";
 import { remove, setDecision } from "./exittool";
 import { Button, Check, Choice, Field, named, NumberField, PointRow } from "./parts";
 import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, ROTATIONAL, shaped } from "./places";
-import type { BalanceName, DecisionConfig, Place, Point, Rotational, WalkingModelName } from "./protocol";
+import type { BalanceName, DecisionConfig, Place, Point, Rotational } from "./protocol";
 import { film, selected } from "./session";
-
-const MODELS: [WalkingModelName, name: string, use: string][] = [
-    ["rotational", "Rotational", t("People see where others will be, step aside and turn their shoulders. Take this model for evacuation, corridors, counterflow and single file.")],
-    ["collision-free-speed", t("Collision-free speed"), t("People turn aside from others and from walls, and keep a distance in time. Flows through doors are about half of what people reach.")],
-    ["social-force", t("Social force"), t("Others and walls repel. Flows through doors are several times too great: not for evacuation times.")],
-    ["straight", t("Straight on"), t("The paper's rule: people go on, whoever is in the way, and push. It shows pressure, not evacuation times.")],
-];
+import { MODEL_NAMES, MODELS } from "./walkingmodels";
 
 const BALANCES: [BalanceName, string][] = [
     ["none", t("None: the ground stops them")],
@@ -48,8 +42,8 @@ export function Exits({ decision, middle }: { decision: DecisionConfig; middle: 
     const hint = HINTS[now.value];
     return (
         <>
-            <Choice label={t("How they walk among others")} value={decision.model} choices={MODELS} onChange={(model) => setDecision({ ...decision, model, rotational: null })} />
-            <p class="note">{MODELS.find(([model]) => model === decision.model)![2]}</p>
+            <Choice label={t("How they walk among others")} value={decision.model} choices={MODEL_NAMES.map((name) => [name, MODELS[name].name])} onChange={(model) => setDecision({ ...decision, model, rotational: null })} />
+            <p class="note">{MODELS[decision.model].use}</p>
             {decision.model === "rotational" && <Constants decision={decision} />}
             <BalanceChoice value={decision.balance} onChange={(balance) => setDecision({ ...decision, balance })} />
             <Check label={t("Limit how hard people push ahead")} value={decision.push !== null} onChange={(on) => setDecision({ ...decision, push: on ? 100 : null })} />

@@ -1,8 +1,9 @@
 // What the user may have made has these forms, also when it comes from a link or the browser's storage.
 
 import { type Check, dictionary, firsts, fits, flag, forms, list, nullable, number, one, optional, record, type Row, row, tagged, text, tuple, within } from "./check";
-import type { BalanceName, Base, Door, Edit, Four, Further, Material, Material2d, Mechanics, Motion, Normal, OpenTime, People, PersonRequest, Point, Push, Room, Rotational, Scenario, Sex, WalkingModelName, Waypoint } from "./protocol";
+import type { BalanceName, Base, Door, Edit, Four, Further, Material, Material2d, Mechanics, Motion, Normal, OpenTime, People, PersonRequest, Point, Push, Room, Rotational, Scenario, Sex, Waypoint } from "./protocol";
 import { rectangle } from "./roomshape";
+import { MODEL_NAMES } from "./walkingmodels";
 
 /** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
 interface Kept {
@@ -133,7 +134,7 @@ const rotational = nullable(record<Rotational>({ time_gap: number, standstill_ga
 const balance: Check<BalanceName> = (given) => one<BalanceName>("none", "pendulum", "two-level")(given ?? "none");
 /** What the page's forms have of a decision.toml. */
 const decision = record({
-    model: one<WalkingModelName>("straight", "collision-free-speed", "social-force", "rotational"),
+    model: one(...MODEL_NAMES),
     /** Only with this model; null for its defaults. */
     rotational,
     balance,

@@ -1,7 +1,7 @@
 //! The crowd as the model of an FMU.
 
 use super::packed::Packed;
-use super::running::{agent_of_drive, input, part_of_drive, read};
+use super::running::{agent_of_drive, input, part_of_drive};
 use super::saved::SavedCrowd;
 use super::{CrowdModel, output};
 use crate::engine::{BodyId, Vec2, step_count};
@@ -55,13 +55,13 @@ impl Model for CrowdModel {
     fn number(&mut self, quantity: CrowdQuantity, element: usize) -> Answer<f64> {
         let mut value = [0.0];
         match &self.world {
-            Some(world) if read(world, quantity, element, &mut value) => Ok(value[0]),
+            Some(world) if quantity.read(world, element, &mut value) => Ok(value[0]),
             _ => self.without_world(quantity, element),
         }
     }
 
     fn numbers(&mut self, quantity: CrowdQuantity, values: &mut [f64]) -> Answer<()> {
-        if self.world.as_ref().is_some_and(|world| read(world, quantity, 0, values)) {
+        if self.world.as_ref().is_some_and(|world| quantity.read(world, 0, values)) {
             return Ok(());
         }
         for (element, value) in values.iter_mut().enumerate() {

@@ -74,8 +74,9 @@ impl ReadingArguments {
         let holds = self.database.is_some() || path.is_file() && holds_trajectories(path)?;
         match given.iter().find(|(_, given)| *given && !holds) {
             Some((option, _)) => bail!(Misused(format!(
-                "{option}: {} holds no trajectories of experiments or of other simulators ({READ})",
-                path.display()
+                "{option}: {} holds no trajectories of experiments or of other simulators ({})",
+                path.display(),
+                *READ
             ))),
             None => Ok(holds),
         }

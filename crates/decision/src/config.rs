@@ -20,7 +20,7 @@ use crate::exit_choice::ExitChoice;
 use crate::queue::QueueConfig;
 use crate::rule::{Motivation, Waypoint};
 use crate::spread::Spread;
-use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModel, WalkingModelName};
+use crate::walking_model::{WalkingModel, WalkingModelName, with_models};
 use lemons_core::files::words;
 use lemons_core::trial::{Agent, OpeningTimes, Trial};
 use serde::de::Error as _;
@@ -55,58 +55,69 @@ impl BalanceName {
     }
 }
 
-/// A user's settings for the FMU.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DecisionConfig {
-    /// How people walk among others; [`WalkingModelName::Straight`] if it is not said.
-    pub model: Option<WalkingModelName>,
-    /// How people who stand keep their balance.
-    pub balance: Option<BalanceName>,
-    /// \[m/s\] Desired speed.
-    pub desired_speed: Option<Spread>,
-    /// \[N\] Greatest force with which people push ahead, or its mean.
-    pub push: Option<f64>,
-    /// \[N\] Standard deviation of this force.
-    pub push_sd: Option<f64>,
-    /// Seed of all random choices.
-    pub seed: Option<u64>,
-    /// \[s\] When people start to walk.
-    pub start: Option<Spread>,
-    /// Groups that stay together.
-    pub groups: Option<GroupsConfig>,
-    /// Everybody's way.
-    pub waypoints: Option<Vec<Waypoint>>,
-    /// Ways with shares.
-    pub ways: Option<Vec<WayConfig>>,
-    /// How people choose among several exits.
-    pub exit_choice: Option<ExitChoice>,
-    /// Where people leave.
-    pub exits: Option<Vec<TargetConfig>>,
-    /// Where people stay.
-    pub goals: Option<Vec<TargetConfig>>,
-    /// Changes during a run.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub motivation: Vec<Motivation>,
-    /// How people who wait press those in front.
-    pub queue: Option<QueueConfig>,
-    /// Constants of the collision-free-speed model.
-    #[serde(rename = "collision-free-speed")]
-    pub collision_free_speed: Option<CollisionFreeSpeed>,
-    /// Constants of the social-force model.
-    #[serde(rename = "social-force")]
-    pub social_force: Option<SocialForce>,
-    /// Constants of the rotational model.
-    pub rotational: Option<Rotational>,
-    /// Constants of legs as a pendulum.
-    pub pendulum: Option<Pendulum>,
-    /// Constants of legs of two levels.
-    #[serde(rename = "two-level")]
-    pub two_level: Option<TwoLevel>,
-    /// Settings of agents, by their Ids.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub agents: BTreeMap<String, AgentConfig>,
+/// Makes the settings, with a table for each walking model that has constants.
+macro_rules! decision_config {
+    ($($(#[$usual:meta])? $name:ident = $word:literal $(, $constants:ident)?;)*) => {
+        /// A user's settings for the FMU.
+        #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct DecisionConfig {
+            /// How people walk among others; [`WalkingModelName::Straight`] if it is not said.
+            pub model: Option<WalkingModelName>,
+            /// How people who stand keep their balance.
+            pub balance: Option<BalanceName>,
+            /// \[m/s\] Desired speed.
+            pub desired_speed: Option<Spread>,
+            /// \[N\] Greatest force with which people push ahead, or its mean.
+            pub push: Option<f64>,
+            /// \[N\] Standard deviation of this force.
+            pub push_sd: Option<f64>,
+            /// Seed of all random choices.
+            pub seed: Option<u64>,
+            /// \[s\] When people start to walk.
+            pub start: Option<Spread>,
+            /// Groups that stay together.
+            pub groups: Option<GroupsConfig>,
+            /// Everybody's way.
+            pub waypoints: Option<Vec<Waypoint>>,
+            /// Ways with shares.
+            pub ways: Option<Vec<WayConfig>>,
+            /// How people choose among several exits.
+            pub exit_choice: Option<ExitChoice>,
+            /// Where people leave.
+            pub exits: Option<Vec<TargetConfig>>,
+            /// Where people stay.
+            pub goals: Option<Vec<TargetConfig>>,
+            /// Changes during a run.
+            #[serde(default, skip_serializing_if = "Vec::is_empty")]
+            pub motivation: Vec<Motivation>,
+            /// How people who wait press those in front.
+            pub queue: Option<QueueConfig>,
+            $($(
+                #[doc = concat!("Constants of the model `", $word, "`.")]
+                #[serde(rename = $word)]
+                pub $constants: Option<crate::walking_model::$name>,
+            )?)*
+            /// Constants of legs as a pendulum.
+            pub pendulum: Option<Pendulum>,
+            /// Constants of legs of two levels.
+            #[serde(rename = "two-level")]
+            pub two_level: Option<TwoLevel>,
+            /// Settings of agents, by their Ids.
+            #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+            pub agents: BTreeMap<String, AgentConfig>,
+        }
+
+        impl DecisionConfig {
+            /// Returns the constants of walking models that are given.
+            fn constants(&self) -> impl Iterator<Item = WalkingModel> {
+                [$($(self.$constants.map(WalkingModel::$name),)?)*].into_iter().flatten()
+            }
+        }
+    };
 }
+
+with_models!(decision_config);
 
 /// Settings of one agent; missing ones are those of all agents.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -271,16 +282,10 @@ impl DecisionConfig {
 
     /// Returns the model of walking with its constants.
     pub(crate) fn walking_model(&self) -> Result<WalkingModel, PlanError> {
-        let tables = [
-            self.rotational.map(WalkingModel::Rotational),
-            self.collision_free_speed.map(WalkingModel::CollisionFreeSpeed),
-            self.social_force.map(WalkingModel::SocialForce),
-        ];
         let wanted = self.model.unwrap_or_default();
-        let given: Vec<WalkingModel> = tables.into_iter().flatten().collect();
-        match given.iter().find(|given| given.name() != wanted) {
+        match self.constants().find(|given| given.name() != wanted) {
             Some(other) => Err(PlanError::OtherModel { key: other.name().name() }),
-            None => Ok(given.first().copied().unwrap_or_else(|| WalkingModel::usual(wanted))),
+            None => Ok(self.constants().next().unwrap_or_else(|| WalkingModel::usual(wanted))),
         }
     }
 

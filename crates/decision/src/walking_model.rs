@@ -1,7 +1,6 @@
 //! How people walk among others: from where they want to go to a velocity, or a force.
 //!
-//! A model is a file beside this one and a row of `models!`; `decision.toml` has a table of its constants
-//! ([`DecisionConfig`](crate::config::DecisionConfig)).
+//! A model is a file beside this one and a row of `with_models!`.
 
 mod collision_free_speed;
 mod near;
@@ -16,6 +15,7 @@ pub use straight::Straight;
 
 use crate::error::PlanError;
 use lemons_core::plane::Vec2;
+use lemons_core::trial::Rule;
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 
@@ -57,13 +57,31 @@ pub trait Walk {
         false
     }
 
+    /// Returns the rules that warn of the model where it is known to fail: where people leave, and where many walk
+    /// against each other.
+    fn unfit(&self) -> [Option<Rule>; 2];
+
     /// Returns what everybody wants; `None` for those who are not there, whom nobody sees.
     fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion>;
 }
 
-/// The models: name, and word in a `decision.toml`.
+/// Gives a macro the models: name, word in a `decision.toml`, and the field of
+/// [`DecisionConfig`](crate::config::DecisionConfig) for its constants, if it has some.
+macro_rules! with_models {
+    ($make:ident) => {
+        $make! {
+            Rotational = "rotational", rotational;
+            CollisionFreeSpeed = "collision-free-speed", collision_free_speed;
+            SocialForce = "social-force", social_force;
+            #[default]
+            Straight = "straight";
+        }
+    };
+}
+pub(crate) use with_models;
+
 macro_rules! models {
-    ($($(#[$usual:meta])? $name:ident = $word:literal;)*) => {
+    ($($(#[$usual:meta])? $name:ident = $word:literal $(, $constants:ident)?;)*) => {
         /// Name of a model of how people walk among others.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
         #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
@@ -86,8 +104,9 @@ macro_rules! models {
             }
         }
 
-        /// A model with its constants.
-        #[derive(Debug, Clone, Copy, PartialEq)]
+        /// A model with its constants, as which it is written.
+        #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+        #[serde(untagged)]
         pub enum WalkingModel {
             $(#[doc = concat!("See [`", stringify!($name), "`].")] $name($name),)*
         }
@@ -114,13 +133,7 @@ macro_rules! models {
     };
 }
 
-models! {
-    Rotational = "rotational";
-    CollisionFreeSpeed = "collision-free-speed";
-    SocialForce = "social-force";
-    #[default]
-    Straight = "straight";
-}
+with_models!(models);
 
 /// Ranges: from a gap of so many on, repulsion is not counted. It is below 1e-5 of that at a gap of 0.
 const FAR: f64 = 12.0;

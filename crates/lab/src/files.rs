@@ -13,7 +13,7 @@ use lemons_decision::DECISION_FILE;
 use lemons_people::placing::{PlacingProgress, Stage, Watch};
 use lemons_people::{MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
 use lemons_picture::{ColourMap, DrawnForce, Fill, PictureScene, Style, Values};
-use lemons_results::columns::{ALL, Groups};
+use lemons_results::columns::{ALL, Group};
 use lemons_results::{Frame, FrameWriter, TableContent, TableWriter};
 use lemons_sim::{Simulation, Stepper};
 use serde::{Deserialize, Serialize};
@@ -205,7 +205,7 @@ fn table(of: &LoadedTrial, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Ref
         "the table is too large for a page: `lemons run` writes it from the Trial".to_owned()
     })?;
     let legs = of.plan.as_ref().is_some_and(|plan| plan.balance.is_some());
-    let groups = Groups { active: of.plan.is_some(), legs, ..ALL };
+    let groups = ALL.with(Group::Active, of.plan.is_some()).with(Group::Legs, legs);
     let content = TableContent { columns: groups.columns(), about: Vec::new() };
     let (file, path) = (Cursor::new(Vec::new()), Path::new("the table"));
     let writer = TableWriter::create(file, path, lemons_results::TableFormat::Csv, &content)?;

@@ -7,6 +7,7 @@ use lemons_core::plane::{InPlane, Motion, Pose, Twist, Vec2, vec2};
 use lemons_core::trial::{Interactions, Trial};
 use lemons_people::placing::TOLERANCE;
 use lemons_results::Frame;
+use lemons_results::columns::Effect;
 use lemons_results::measure::{CountingLine, Way};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -23,11 +24,10 @@ pub fn bytes(frame: &Frame, going: &[bool]) -> Vec<u8> {
         const NOWHERE: Vec2 = vec2(f64::NAN, f64::NAN);
         let Motion { pose, twist: Twist { velocity, angular_velocity } } = frame.agents[agent];
         let at = if frame.is_there(agent) { pose.position } else { NOWHERE };
-        let seen = frame.observed.as_ref().map(|all| all[agent]).unwrap_or_default();
-        let step = seen.of_step.unwrap_or_default();
-        let contacts = f64::from(seen.agent_contacts + seen.wall_contacts);
+        let effect = |effect| frame.effects.get(effect, agent).unwrap_or_default();
+        let contacts = effect(Effect::AgentContacts) + effect(Effect::WallContacts);
         let feet = frame.legs.as_ref().map_or(NOWHERE, |legs| legs[agent].feet);
-        let (mean, by_walls) = (step.mean_normal_force, step.mean_wall_force.unwrap_or_default());
+        let [mean, by_walls] = [Effect::MeanNormalForce, Effect::MeanWallForce].map(effect);
         let goes = f64::from(going[agent]);
         let [x, y, vx, vy] = [at.x, at.y, velocity.x, velocity.y];
         [x, y, pose.orientation, vx, vy, angular_velocity, mean, contacts, by_walls, feet.x, feet.y, goes]

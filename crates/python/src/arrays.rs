@@ -1,36 +1,22 @@
 //! Frames of a run as numbers of arrays, and back.
 
-use lemons_results::columns::{ALL, AgentRow, Group, Groups, QUANTITIES, row_of};
+use lemons_results::columns::{ALL, AgentRow, CellType, Effect, Group, QUANTITIES, RecordedQuantity, row_of};
 use lemons_results::{Frame, Totals};
 use std::sync::LazyLock;
 
-/// Names of an agent's numbers, in the order of the arrays: poses and velocities are parts of an array, legs are last.
-const ORDER: [&str; 20] = [
-    "x",
-    "y",
-    "theta",
-    "vx",
-    "vy",
-    "omega",
-    "normal_force",
-    "mean_normal_force",
-    "peak_normal_force",
-    "peak_overlap",
-    "mean_wall_force",
-    "agent_contacts",
-    "wall_contacts",
-    "contacting_agents",
-    "active",
-    "legs_x",
-    "legs_y",
-    "steps",
-    "balanced",
-    "fallen",
-];
-
-/// Places of these numbers in the row of a table.
-static PLACES: LazyLock<[usize; ORDER.len()]> = LazyLock::new(|| {
-    ORDER.map(|name| QUANTITIES.iter().position(|of| of.name == name).expect("it is in the table"))
+/// Quantities of an agent with their places in the row of a table, in the order of the arrays: poses and velocities are
+/// parts of an array, counts come after forces, legs are last.
+static ORDER: LazyLock<Vec<(usize, &RecordedQuantity)>> = LazyLock::new(|| {
+    let order = |of: &RecordedQuantity| match of.group {
+        Group::Motion => ["x", "y", "theta", "vx", "vy", "omega"].iter().position(|name| *name == of.name),
+        Group::Active => Some(8),
+        Group::Legs => Some(9),
+        Group::Totals => None,
+        _ => Some(if of.kind() == CellType::Real { 6 } else { 7 }),
+    };
+    let mut all: Vec<_> = QUANTITIES.iter().enumerate().filter(|(_, of)| order(of).is_some()).collect();
+    all.sort_by_key(|(_, of)| order(of));
+    all
 });
 
 /// Returns how many numbers an agent has, with legs or without.
@@ -45,7 +31,7 @@ pub fn numbers_of_each(frame: &Frame) -> usize {
 
 /// Returns the names of these numbers.
 pub fn names() -> Vec<String> {
-    ORDER.map(str::to_owned).to_vec()
+    ORDER.iter().map(|(_, of)| of.name.to_owned()).collect()
 }
 
 /// Returns the names of the columns of a table, in their order; those of contacts, `active` and legs among them.
@@ -57,7 +43,7 @@ pub fn table() -> Vec<String> {
 pub fn append(frame: &Frame, numbers: &mut Vec<f64>) {
     for agent in 0..frame.agents.len() {
         let row = row_of(frame, agent);
-        numbers.extend(PLACES[..numbers_of_each(frame)].iter().map(|place| row[*place]));
+        numbers.extend(ORDER[..numbers_of_each(frame)].iter().map(|(place, _)| row[*place]));
     }
 }
 
@@ -70,18 +56,17 @@ pub fn is_width(each: usize) -> bool {
 pub fn frame_of(time: f64, numbers: &[f64], each: usize, leaving: bool) -> Frame {
     let row = |own: &[f64]| {
         let mut row = AgentRow::default();
-        PLACES.iter().zip(own).for_each(|(place, number)| row[*place] = *number);
+        ORDER.iter().zip(own).for_each(|((place, _), number)| row[*place] = *number);
         row
     };
     let rows: Vec<AgentRow> = numbers.chunks_exact(each).map(row).collect();
-    let groups = Groups { active: leaving, legs: each == width(true), ..ALL };
+    let groups = ALL.with(Group::Active, leaving).with(Group::Legs, each == width(true));
     let mut frame = Frame { place: format!("t = {time:?} s"), ..groups.frame_of_rows(time, &rows) };
-    let observed = || frame.observed.iter().flatten();
-    let count = |of: u64| u32::try_from(of).unwrap_or(u32::MAX);
+    let sum = |of| (0..rows.len()).filter_map(|agent| frame.effects.get(of, agent)).sum::<f64>();
     // A contact of two people counts for both.
     frame.totals = Some(Totals {
-        agent_contacts: count(observed().map(|of| u64::from(of.agent_contacts)).sum::<u64>() / 2),
-        wall_contacts: count(observed().map(|of| u64::from(of.wall_contacts)).sum()),
+        agent_contacts: (sum(Effect::AgentContacts) / 2.0) as u32,
+        wall_contacts: sum(Effect::WallContacts) as u32,
     });
     frame
 }

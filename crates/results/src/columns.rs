@@ -2,7 +2,7 @@
 //! it; `tests/columns.csv` is the same for programs in other languages.
 
 pub use crate::cell::CellType;
-use crate::run::{Frame, Observed, OfLegs, OfStep, Totals};
+use crate::run::{Effects, Frame, OfLegs, Totals};
 use Domain::{Count, Flag, Real, Size};
 use lemons_core::plane::Motion;
 
@@ -19,6 +19,9 @@ pub struct RecordedQuantity {
     pub description: &'static str,
     /// The columns with which it comes.
     pub group: Group,
+    /// Where a frame holds it, if it is an effect of the contacts on an agent, and how several communication steps
+    /// become one (`--every`).
+    pub effect: Option<(Effect, Merge)>,
     domain: Domain,
     /// Returns it of an agent of a frame; 0 if it is not recorded.
     pub(crate) get: fn(&Frame, usize) -> f64,
@@ -36,14 +39,25 @@ pub enum Group {
     /// Work of an agent's contacts since the row before: over one communication step, or over N (`--every N`). FMUs of
     /// the first versions have none of these outputs.
     OfStep,
-    /// The part of the mean squeeze by walls; the rest is by people. FMUs and tables of earlier versions do not have it.
-    ByWalls,
+    /// Work as that, which FMUs and tables of earlier versions do not have: each column is read if it is there.
+    Later,
     /// Presence: who is not there touches nothing, and stands where it was last.
     Active,
     /// Legs of an agent, where people have some: outputs of Decision, not of the crowd's FMU.
     Legs,
     /// Quantities of the whole crowd at a time; the same in each row of this time.
     Totals,
+}
+
+/// How the numbers of several communication steps become one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Merge {
+    /// The last one counts: it is of a time.
+    Last,
+    /// The time average.
+    Mean,
+    /// The greatest.
+    Max,
 }
 
 /// The numbers that a quantity can be, with the unit of those that have one.
@@ -88,51 +102,51 @@ pub const TIME: &str = "t";
 /// Column of the agent's Id.
 pub const ID: &str = "id";
 
-/// Makes the table: name, output, domain, group, the field of the group in a frame, description.
+/// Makes the table, whose rows are, in this order: name, output, domain, group, the field of the group in a frame,
+/// description. Those in between are effects: name, output, which is also the name of the effect, domain, group, how
+/// several steps become one, description.
 macro_rules! quantities {
-    ($($name:literal, $variable:literal, $domain:expr, $group:ident, $field:tt, $description:literal;)*) => {
+    ($($name:literal, $variable:literal, $domain:expr, $group:ident, $field:tt, $description:literal;)*
+     effects { $($column:literal, $effect:ident, $range:expr, $with:ident, $merge:ident, $meaning:literal;)* }
+     $($last:literal, $output:literal, $of:expr, $among:ident, $place:tt, $words:literal;)*) => {
+        /// An effect of the contacts on an agent, with the name of the output.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Effect { $(#[doc = $meaning] $effect),* }
+
+        impl Effect {
+            /// All of them.
+            pub const ALL: [Effect; [$(Effect::$effect),*].len()] = [$(Effect::$effect),*];
+            /// How many are of whole communication steps.
+            pub const OF_STEPS: usize = $(!matches!(Merge::$merge, Merge::Last) as usize +)* 0;
+        }
+
         /// Every quantity, in the order of the columns; those of the whole crowd last.
-        pub const QUANTITIES: [RecordedQuantity; 22] = [$(RecordedQuantity {
+        pub const QUANTITIES: [RecordedQuantity; [$($name,)* $($column,)* $($last),*].len()] = [
+            $(number!(quantity None, $name, $variable, $domain, $group, $field, $description),)*
+            $(number!(quantity Some((Effect::$effect, Merge::$merge)), $column, stringify!($effect), $range, $with,
+                ($effect), $meaning),)*
+            $(number!(quantity None, $last, $output, $of, $among, $place, $words),)*
+        ];
+    };
+}
+
+/// Makes a quantity, gets or sets its number of a frame, which holds it as its group says.
+macro_rules! number {
+    (quantity $effect:expr, $name:expr, $variable:expr, $domain:expr, $group:ident, $field:tt, $description:expr) => {
+        RecordedQuantity {
             name: $name,
             variable: $variable,
             unit: if let Real(unit) | Size(unit) = $domain { Some(unit) } else { None },
             description: $description,
             group: Group::$group,
+            effect: $effect,
             domain: $domain,
             get: |frame, agent| number!(get $group frame agent $field),
             set: |frame, agent, value| number!(set $group frame agent value $field),
-        }),*];
+        }
     };
-}
-
-/// Gets or sets a number of a frame, which holds it as its group says.
-macro_rules! number {
     (get Motion $f:ident $a:ident ($($field:tt)+)) => { $f.agents[$a].$($field)+ };
     (set Motion $f:ident $a:ident $v:ident ($($field:tt)+)) => { $f.agents[$a].$($field)+ = $v };
-    (get Contacts $f:ident $a:ident ($field:ident)) => {
-        $f.observed.as_ref().map_or(0.0, |all| all[$a].$field.into())
-    };
-    (set Contacts $f:ident $a:ident $v:ident ($field:ident)) => {
-        if let Some(all) = &mut $f.observed {
-            all[$a].$field = $v as _;
-        }
-    };
-    (get OfStep $f:ident $a:ident ($field:ident)) => {
-        $f.observed.as_ref().and_then(|all| all[$a].of_step).map_or(0.0, |step| step.$field)
-    };
-    (set OfStep $f:ident $a:ident $v:ident ($field:ident)) => {
-        if let Some(step) = $f.observed.as_mut().and_then(|all| all[$a].of_step.as_mut()) {
-            step.$field = $v;
-        }
-    };
-    (get ByWalls $f:ident $a:ident ($field:ident)) => {
-        $f.observed.as_ref().and_then(|all| all[$a].of_step?.$field).unwrap_or_default()
-    };
-    (set ByWalls $f:ident $a:ident $v:ident ($field:ident)) => {
-        if let Some(step) = $f.observed.as_mut().and_then(|all| all[$a].of_step.as_mut()) {
-            step.$field = Some($v);
-        }
-    };
     (get Active $f:ident $a:ident ()) => { f64::from($f.is_there($a)) };
     (set Active $f:ident $a:ident $v:ident ()) => {
         if let Some(all) = &mut $f.active {
@@ -163,6 +177,14 @@ macro_rules! number {
             totals.$field = $v as _;
         }
     }};
+    (get $group:ident $f:ident $a:ident ($effect:ident)) => {
+        $f.effects.get(Effect::$effect, $a).unwrap_or_default()
+    };
+    (set $group:ident $f:ident $a:ident $v:ident ($effect:ident)) => {
+        if let Some(number) = $f.effects.get_mut(Effect::$effect, $a) {
+            *number = $v;
+        }
+    };
 }
 
 quantities! {
@@ -172,14 +194,16 @@ quantities! {
     "vy", "Velocity.y", Real("m/s"), Motion, (twist.velocity.y), "velocity along y";
     "theta", "Theta", Real("rad"), Motion, (pose.orientation), "orientation: angle from the x axis to the gaze";
     "omega", "Omega", Real("rad/s"), Motion, (twist.angular_velocity), "angular velocity";
-    "agent_contacts", "AgentContacts", Count, Contacts, (agent_contacts), "contacts of the agent's disks with disks of others";
-    "wall_contacts", "WallContacts", Count, Contacts, (wall_contacts), "contacts of the agent's disks with faces of walls";
-    "contacting_agents", "ContactingAgents", Count, Contacts, (contacting_agents), "how many other agents touch the agent";
-    "normal_force", "NormalForce", Size("N"), Contacts, (normal_force), "squeeze at this time: sum of the normal forces |F_n| of the agent's contacts";
-    "mean_normal_force", "MeanNormalForce", Size("N"), OfStep, (mean_normal_force), "mean squeeze since the row before";
-    "peak_normal_force", "PeakNormalForce", Size("N"), OfStep, (peak_normal_force), "largest squeeze since the row before";
-    "peak_overlap", "PeakOverlap", Size("m"), OfStep, (peak_overlap), "deepest overlap of a contact since the row before";
-    "mean_wall_force", "MeanWallForce", Size("N"), ByWalls, (mean_wall_force), "mean squeeze by walls since the row before";
+    effects {
+        "agent_contacts", AgentContacts, Count, Contacts, Last, "contacts of the agent's disks with disks of others";
+        "wall_contacts", WallContacts, Count, Contacts, Last, "contacts of the agent's disks with faces of walls";
+        "contacting_agents", ContactingAgents, Count, Contacts, Last, "how many other agents touch the agent";
+        "normal_force", NormalForce, Size("N"), Contacts, Last, "squeeze at this time: sum of the normal forces |F_n| of the agent's contacts";
+        "mean_normal_force", MeanNormalForce, Size("N"), OfStep, Mean, "mean squeeze since the row before";
+        "peak_normal_force", PeakNormalForce, Size("N"), OfStep, Max, "largest squeeze since the row before";
+        "peak_overlap", PeakOverlap, Size("m"), OfStep, Max, "deepest overlap of a contact since the row before";
+        "mean_wall_force", MeanWallForce, Size("N"), Later, Mean, "mean squeeze by walls since the row before";
+    }
     "active", "Active", Flag, Active, (), "1 if the agent is there, 0 if it has left and touches nothing";
     "legs_x", "Legs.x", Real("m"), Legs, (feet.x), "x of the middle of the feet";
     "legs_y", "Legs.y", Real("m"), Legs, (feet.y), "y of the middle of the feet";
@@ -191,30 +215,16 @@ quantities! {
 }
 
 /// Every quantity of the table of a run.
-pub const ALL: Groups =
-    Groups { contacts: true, of_step: true, by_walls: true, active: true, legs: true, totals: true };
+pub const ALL: Groups = Groups((1 << QUANTITIES.len()) - 1);
 
 /// Returns the quantity with this name.
 pub fn with_name(name: &str) -> Option<&'static RecordedQuantity> {
     QUANTITIES.iter().find(|quantity| quantity.name == name)
 }
 
-/// Which columns the table of a crowd has besides time, Id and motion.
+/// Which columns the table of a crowd has besides time, Id and motion: a bit for each place in [`QUANTITIES`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Groups {
-    /// [`Group::Contacts`]
-    pub contacts: bool,
-    /// [`Group::OfStep`]; only together with the contacts.
-    pub of_step: bool,
-    /// [`Group::ByWalls`]; only together with those of the step.
-    pub by_walls: bool,
-    /// [`Group::Active`]: agents may leave.
-    pub active: bool,
-    /// [`Group::Legs`]: agents have legs.
-    pub legs: bool,
-    /// [`Group::Totals`]
-    pub totals: bool,
-}
+pub struct Groups(u32);
 
 impl Group {
     /// Returns its quantities.
@@ -224,31 +234,52 @@ impl Group {
 }
 
 impl Groups {
-    /// Those of which all columns exist.
+    fn where_is(has: impl Fn(&RecordedQuantity) -> bool) -> Groups {
+        let bits = QUANTITIES.iter().enumerate().map(|(place, quantity)| u32::from(has(quantity)) << place);
+        Groups(bits.sum())
+    }
+
+    /// Returns those of which all columns exist. Those of the step are only together with the contacts.
     pub fn among(exists: impl Fn(&str) -> bool) -> Groups {
         let all = |group: Group| group.quantities().all(|quantity| exists(quantity.name));
         let contacts = all(Group::Contacts);
         let of_step = contacts && all(Group::OfStep);
-        let by_walls = of_step && all(Group::ByWalls);
-        let (active, legs, totals) = (all(Group::Active), all(Group::Legs), all(Group::Totals));
-        Groups { contacts, of_step, by_walls, active, legs, totals }
+        Groups::where_is(|quantity| match quantity.group {
+            Group::Contacts => contacts,
+            Group::OfStep => of_step,
+            Group::Later => of_step && exists(quantity.name),
+            group => all(group),
+        })
     }
 
-    fn has(self, group: Group) -> bool {
-        match group {
-            Group::Motion => true,
-            Group::Contacts => self.contacts,
-            Group::OfStep => self.contacts && self.of_step,
-            Group::ByWalls => self.contacts && self.of_step && self.by_walls,
-            Group::Active => self.active,
-            Group::Legs => self.legs,
-            Group::Totals => self.totals,
-        }
+    /// Returns those that a frame has.
+    pub fn of(frame: &Frame) -> Groups {
+        Groups::where_is(|quantity| match (quantity.effect, quantity.group) {
+            (Some((effect, _)), _) => frame.effects.knows(effect),
+            (_, Group::Active) => frame.active.is_some(),
+            (_, Group::Legs) => frame.legs.is_some(),
+            (_, Group::Totals) => frame.totals.is_some(),
+            _ => true,
+        })
+    }
+
+    /// Returns the same with a group, or without.
+    #[must_use]
+    pub fn with(self, group: Group, there: bool) -> Groups {
+        let of = Groups::where_is(|quantity| quantity.group == group).0;
+        Groups(if there { self.0 | of } else { self.0 & !of })
+    }
+
+    /// Returns whether a group is there.
+    pub fn has(self, group: Group) -> bool {
+        self.quantities().any(|(_, quantity)| quantity.group == group)
     }
 
     /// Returns the quantities in the order of the columns, with their places in a [`AgentRow`].
     pub(crate) fn quantities(self) -> impl Iterator<Item = (usize, &'static RecordedQuantity)> {
-        QUANTITIES.iter().enumerate().filter(move |(_, quantity)| self.has(quantity.group))
+        let is = move |place: usize| self.0 & 1 << place != 0;
+        let all = QUANTITIES.iter().enumerate();
+        all.filter(move |(place, quantity)| quantity.group == Group::Motion || is(*place))
     }
 
     /// Returns the quantities that are numbers of an FMU with so many agents, in their order: of each agent, then of the
@@ -290,16 +321,18 @@ impl Groups {
     }
 
     /// Makes a frame of so many agents, all of whose numbers in these columns are 0.
-    fn zeros(self, agents: usize, time: f64) -> Frame {
-        let step = OfStep { mean_wall_force: self.by_walls.then_some(0.0), ..OfStep::default() };
-        let observed = Observed { of_step: self.of_step.then_some(step), ..Observed::default() };
+    pub(crate) fn zeros(self, agents: usize, time: f64) -> Frame {
+        let mut effects = Effects::default();
+        for (effect, _) in self.quantities().filter_map(|(_, quantity)| quantity.effect) {
+            effects.record(effect, (0..agents).map(|_| 0.0));
+        }
         Frame {
             time,
             agents: vec![Motion::default(); agents],
-            observed: self.contacts.then(|| vec![observed; agents]),
-            active: self.active.then(|| vec![false; agents]),
-            legs: self.legs.then(|| vec![OfLegs::default(); agents]),
-            totals: (self.totals && agents > 0).then(Totals::default),
+            effects,
+            active: self.has(Group::Active).then(|| vec![false; agents]),
+            legs: self.has(Group::Legs).then(|| vec![OfLegs::default(); agents]),
+            totals: (self.has(Group::Totals) && agents > 0).then(Totals::default),
             ..Frame::default()
         }
     }

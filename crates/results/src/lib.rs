@@ -38,7 +38,7 @@ pub use error::RecordError;
 pub use jupedsim::jupedsim;
 pub use record::{Record, Trajectories};
 pub use recorder::{KeptFrames, Recorder};
-pub use run::{Frame, Observed, OfLegs, OfStep, OfWall, Run, Totals};
+pub use run::{Effects, Frame, OfLegs, OfWall, Run, Totals};
 pub use series::{series, series_files, series_in, trial_at_end};
 pub use table::{FrameWriter, TableContent, TableFormat, TableWriter};
 pub use text::{chaos, chaos_files, pedpy};

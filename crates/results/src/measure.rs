@@ -39,6 +39,7 @@ pub use summary::{Crossings, MeanMax};
 pub use voronoi::VoronoiRoom;
 
 use crate::Frame;
+use crate::columns::Effect;
 use lemons_core::plane::{InPlane, Motion};
 use serde::Deserialize;
 
@@ -81,10 +82,11 @@ impl By {
 /// place of the peak, which is not split.
 pub fn squeeze(frame: &Frame, agent: usize, by: Option<By>) -> Option<(f64, f64)> {
     present(frame, agent)?;
-    let step = frame.observed.as_ref()?.get(agent)?.of_step?;
-    let Some(by) = by else { return Some((step.mean_normal_force, step.peak_normal_force)) };
-    let walls = step.mean_wall_force?;
+    let effect = |effect| frame.effects.get(effect, agent);
+    let mean = effect(Effect::MeanNormalForce)?;
+    let Some(by) = by else { return Some((mean, effect(Effect::PeakNormalForce)?)) };
+    let walls = effect(Effect::MeanWallForce)?;
     // A table of rounded numbers may have a little less in all than by walls.
-    let part = if by == By::Walls { walls } else { (step.mean_normal_force - walls).max(0.0) };
+    let part = if by == By::Walls { walls } else { (mean - walls).max(0.0) };
     Some((part, part))
 }

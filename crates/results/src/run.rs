@@ -1,5 +1,6 @@
 //! Record of a crowd.
 
+use crate::columns::Effect;
 use crate::error::RecordError;
 use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::{Interactions, Trial};
@@ -24,8 +25,8 @@ pub struct Frame {
     pub time: f64,
     /// Pose and velocity of each agent, in the order of the run's Ids.
     pub agents: Vec<Motion>,
-    /// Effects of the contacts on each agent, in the order of the run's Ids; `None` if the source has no such columns.
-    pub observed: Option<Vec<Observed>>,
+    /// Effects of the contacts on each agent, in the order of the run's Ids.
+    pub effects: Effects,
     /// Whether each agent is there; `None` if the source has no such column, and all are.
     pub active: Option<Vec<bool>>,
     /// Legs of each agent, in the order of the run's Ids; `None` if the source has no such columns.
@@ -43,32 +44,12 @@ pub struct Frame {
     pub place: String,
 }
 
-/// Effects of the contacts on an agent. These are outputs of the FMU.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Observed {
-    /// Number of contacts with disks of other agents.
-    pub agent_contacts: u32,
-    /// Number of contacts with faces of walls.
-    pub wall_contacts: u32,
-    /// Number of other agents that touch this one.
-    pub contacting_agents: u32,
-    /// \[N\] squeeze at the time: sum of |F_n| over the agent's contacts.
-    pub normal_force: f64,
-    /// Effects within the communication step that ends at the time, if they were recorded.
-    pub of_step: Option<OfStep>,
-}
-
-/// Effects of the contacts on an agent within a communication step. These are outputs of the FMU.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct OfStep {
-    /// \[N\] time average of the squeeze.
-    pub mean_normal_force: f64,
-    /// \[N\] the part of it by walls; `None` if the source does not record it.
-    pub mean_wall_force: Option<f64>,
-    /// \[N\] largest squeeze.
-    pub peak_normal_force: f64,
-    /// \[m\] deepest overlap of a contact.
-    pub peak_overlap: f64,
+/// Effects of the contacts on each agent, as far as the source records them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Effects {
+    /// A bit for each effect that is recorded.
+    known: u32,
+    agents: Vec<[f64; Effect::ALL.len()]>,
 }
 
 /// Legs of an agent. These are outputs of Decision.
@@ -109,6 +90,36 @@ impl Run {
     }
 }
 
+impl Effects {
+    /// Returns whether an effect is recorded.
+    pub fn knows(&self, effect: Effect) -> bool {
+        self.known & 1 << effect as u32 != 0
+    }
+
+    /// Returns an effect on an agent; `None` if it is not recorded.
+    pub fn get(&self, effect: Effect, agent: usize) -> Option<f64> {
+        self.agents.get(agent).filter(|_| self.knows(effect)).map(|all| all[effect as usize])
+    }
+
+    /// Returns the place of an effect on an agent; `None` if it is not recorded.
+    pub fn get_mut(&mut self, effect: Effect, agent: usize) -> Option<&mut f64> {
+        let known = self.knows(effect);
+        self.agents.get_mut(agent).filter(|_| known).map(|all| &mut all[effect as usize])
+    }
+
+    /// Records an effect on all agents.
+    pub fn record(&mut self, effect: Effect, numbers: impl ExactSizeIterator<Item = f64>) {
+        self.known |= 1 << effect as u32;
+        self.agents.resize(numbers.len(), Default::default());
+        self.agents.iter_mut().zip(numbers).for_each(|(all, number)| all[effect as usize] = number);
+    }
+
+    fn sorted(&self, order: &[usize]) -> Effects {
+        let agents = if self.known == 0 { Vec::new() } else { sorted(&self.agents, order) };
+        Effects { known: self.known, agents }
+    }
+}
+
 impl Frame {
     /// Returns whether an agent is there. One who is not has a row, too: it stands where it was last, and touches nothing.
     pub fn is_there(&self, place: usize) -> bool {
@@ -124,7 +135,7 @@ impl Frame {
     pub(crate) fn sorted(self, order: &[usize]) -> Frame {
         Frame {
             agents: sorted(&self.agents, order),
-            observed: self.observed.map(|all| sorted(&all, order)),
+            effects: self.effects.sorted(order),
             active: self.active.map(|all| sorted(&all, order)),
             legs: self.legs.map(|all| sorted(&all, order)),
             ..self

@@ -1,9 +1,10 @@
 //! The paper's series of XML files, as an `OutputDirectory` holds it, and the Trial that goes on from its end.
 
+use crate::columns::{Effect, Group, Groups};
 use crate::error::RecordError;
 use crate::record::Record;
 use crate::recorder::KeptFrames;
-use crate::run::{Frame, Observed};
+use crate::run::{Effects, Frame};
 use crate::text::{files_of, own};
 use lemons_core::files::{Change, change_all};
 use lemons_core::trial::{
@@ -40,9 +41,9 @@ impl Record {
                 };
                 let dynamics = trial.read_dynamics(&directory.join(&place))?;
                 let agents = dynamics.iter().map(AgentDynamics::motion).collect();
-                let observed = Some(observed(trial.agents.len(), &interactions));
+                let effects = effects(trial.agents.len(), &interactions);
                 let interactions = Some(interactions);
-                each(Frame { time: *time, agents, observed, interactions, place, ..Frame::default() })?;
+                each(Frame { time: *time, agents, effects, interactions, place, ..Frame::default() })?;
             }
             Ok(trial.agents.iter().map(|agent| agent.id.clone()).collect())
         })
@@ -83,24 +84,27 @@ fn times_of(directory: &Path) -> Result<(Times, BTreeSet<String>), RecordError> 
 }
 
 /// Sums up the contacts of each of so many agents.
-fn observed(agents: usize, interactions: &Interactions) -> Vec<Observed> {
-    let mut all = vec![Observed::default(); agents];
+fn effects(agents: usize, interactions: &Interactions) -> Effects {
+    let mut effects = Groups::default().with(Group::Contacts, true).zeros(agents, 0.0).effects;
+    let mut add = |effect: Effect, agent: usize, more: f64| {
+        effects.get_mut(effect, agent).into_iter().for_each(|number| *number += more);
+    };
     let mut touching = BTreeSet::new();
     for contact in &interactions.agents {
         for agent in [contact.parent, contact.child] {
-            all[agent].agent_contacts += 1;
-            all[agent].normal_force += contact.force.normal.norm();
+            add(Effect::AgentContacts, agent, 1.0);
+            add(Effect::NormalForce, agent, contact.force.normal.norm());
         }
         if touching.insert((contact.parent, contact.child)) {
-            all[contact.parent].contacting_agents += 1;
-            all[contact.child].contacting_agents += 1;
+            add(Effect::ContactingAgents, contact.parent, 1.0);
+            add(Effect::ContactingAgents, contact.child, 1.0);
         }
     }
     for contact in &interactions.walls {
-        all[contact.agent].wall_contacts += 1;
-        all[contact.agent].normal_force += contact.force.normal.norm();
+        add(Effect::WallContacts, contact.agent, 1.0);
+        add(Effect::NormalForce, contact.agent, contact.force.normal.norm());
     }
-    all
+    effects
 }
 
 /// Returns the names of the files of a series that a directory holds; none if there is no such directory.

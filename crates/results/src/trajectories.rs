@@ -17,6 +17,7 @@ use lemons_core::plane::{Motion, Pose, Twist, Vec2, vec2};
 use std::fs::File;
 use std::io::{self, Read, Seek};
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// Beginning of a database of SQLite.
 const SQLITE: &[u8; 16] = b"SQLite format 3\0";
@@ -171,8 +172,12 @@ fn rate_of(path: &Path, own: Option<f64>, told: Option<f64>) -> Result<f64, Reco
 const HEAD: u64 = 65_536;
 
 /// Formats that can be read.
-pub const READ: &str = "SQLite of JuPedSim, text with lines \"id frame x y z\", FCD of SUMO (XML, CSV), postvis.traj of \
-                        Vadere, .pp of Viswalk, CSV of Pathfinder and of crowd:it";
+pub static READ: LazyLock<String> = LazyLock::new(|| {
+    let own = ["SQLite of JuPedSim", "text with lines \"id frame x y z\"", "FCD of SUMO (XML, CSV)"];
+    let of_programs = columns::PROGRAMS.iter();
+    let of_programs = of_programs.filter_map(|of| Some(format!("{} of {}", of.files?, of.name)));
+    own.map(str::to_owned).into_iter().chain(of_programs).collect::<Vec<_>>().join(", ")
+});
 
 /// Format of a file of trajectories.
 #[derive(Clone, Copy)]
@@ -251,7 +256,10 @@ impl Record {
                 ));
             }
             (_, None) => {
-                return Err(RecordError::wrong(path, format!("holds no trajectories that are read: {READ}")));
+                return Err(RecordError::wrong(
+                    path,
+                    format!("holds no trajectories that are read: {}", *READ),
+                ));
             }
         };
         of_found(path, found, told.velocity_over)

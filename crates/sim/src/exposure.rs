@@ -1,6 +1,7 @@
 //! Exposure of a crowd: at worst, and since the last rows of a table.
 
-use lemons_results::{Frame, OfStep};
+use lemons_results::Frame;
+use lemons_results::columns::{Effect, Merge, QUANTITIES};
 use serde::{Deserialize, Serialize};
 
 /// The extremes of a run, over whole communication steps where frames have such numbers.
@@ -31,15 +32,17 @@ impl Extremes {
     /// Sees the frame at the end of a communication step, or at the first point (`start`), where numbers of steps are
     /// those of an instant.
     pub fn see(&mut self, frame: &Frame, start: bool) {
-        for (agent, observed) in frame.observed.iter().flatten().enumerate() {
-            match observed.of_step {
-                None => self.mean_squeeze.see(observed.normal_force, agent, frame.time),
-                Some(_) if start => {}
-                Some(step) => {
-                    self.mean_squeeze.see(step.mean_normal_force, agent, frame.time);
-                    self.peak_squeeze.see(step.peak_normal_force, agent, frame.time);
-                    self.largest_overlap = self.largest_overlap.max(step.peak_overlap);
+        for agent in 0..frame.agents.len() {
+            let effect = |effect| frame.effects.get(effect, agent);
+            match (effect(Effect::MeanNormalForce), effect(Effect::NormalForce)) {
+                (Some(_), _) if start => {}
+                (Some(mean), _) => {
+                    let [peak, overlap] = [Effect::PeakNormalForce, Effect::PeakOverlap].map(effect);
+                    self.mean_squeeze.see(mean, agent, frame.time);
+                    self.peak_squeeze.see(peak.unwrap_or_default(), agent, frame.time);
+                    self.largest_overlap = self.largest_overlap.max(overlap.unwrap_or_default());
                 }
+                (None, now) => self.mean_squeeze.see(now.unwrap_or_default(), agent, frame.time),
             }
         }
     }
@@ -60,14 +63,14 @@ impl Greatest {
     }
 }
 
-/// Squeeze and overlap of each agent over the communication steps since the last rows of a table.
+/// Effects on each agent over the communication steps since the last rows of a table.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExposureSum {
     /// \[s\] The length of these steps.
     duration: f64,
-    /// For each agent: mean squeeze \[N\], peak squeeze \[N\], deepest overlap \[m\], mean squeeze by walls \[N\].
-    agents: Vec<[f64; 4]>,
+    /// For each agent the quantities of whole steps, in the order of the table.
+    agents: Vec<[f64; Effect::OF_STEPS]>,
 }
 
 impl ExposureSum {
@@ -78,34 +81,30 @@ impl ExposureSum {
 
     /// Adds the step of this length \[s\] that ends at a frame. Frames without numbers of steps add nothing.
     pub fn add(&mut self, length: f64, frame: &Frame) {
-        let steps = frame.observed.iter().flatten().filter_map(|observed| observed.of_step);
-        let steps = steps.map(|step| {
-            let by_walls = step.mean_wall_force.unwrap_or_default();
-            [step.mean_normal_force, step.peak_normal_force, step.peak_overlap, by_walls]
-        });
-        if self.agents.is_empty() {
-            (self.duration, self.agents) = (length, steps.collect());
+        if !frame.effects.knows(Effect::MeanNormalForce) {
             return;
         }
-        let whole = self.duration + length;
-        for ([mean, peak, overlap, by_walls], step) in self.agents.iter_mut().zip(steps) {
-            *mean += (step[0] - *mean) * (length / whole);
-            *by_walls += (step[3] - *by_walls) * (length / whole);
-            *peak = peak.max(step[1]);
-            *overlap = overlap.max(step[2]);
+        self.duration += length;
+        let part = if self.agents.is_empty() { 1.0 } else { length / self.duration };
+        self.agents.resize(frame.agents.len(), Default::default());
+        for (agent, sums) in self.agents.iter_mut().enumerate() {
+            for (sum, (effect, merge)) in sums.iter_mut().zip(of_steps()) {
+                let step = frame.effects.get(effect, agent).unwrap_or_default();
+                *sum = match merge {
+                    Merge::Mean => *sum + (step - *sum) * part,
+                    Merge::Max => sum.max(step),
+                    Merge::Last => step,
+                };
+            }
         }
-        self.duration = whole;
     }
 
     /// Gives a frame the numbers of all these steps, and begins again.
     pub fn finish(&mut self, frame: &mut Frame) {
-        let sum = std::mem::take(self);
-        let all = frame.observed.iter_mut().flatten().zip(sum.agents);
-        for (observed, [mean_normal_force, peak_normal_force, peak_overlap, by_walls]) in all {
-            let known = observed.of_step.is_some_and(|step| step.mean_wall_force.is_some());
-            let mean_wall_force = known.then_some(by_walls);
-            observed.of_step =
-                Some(OfStep { mean_normal_force, mean_wall_force, peak_normal_force, peak_overlap });
+        for (agent, sums) in std::mem::take(self).agents.into_iter().enumerate() {
+            for (sum, (effect, _)) in sums.into_iter().zip(of_steps()) {
+                frame.effects.get_mut(effect, agent).into_iter().for_each(|number| *number = sum);
+            }
         }
     }
 
@@ -119,4 +118,9 @@ impl ExposureSum {
         let mut all = self.agents.iter().flatten().chain([&self.duration]);
         all.all(|number| *number >= 0.0 && number.is_finite())
     }
+}
+
+/// Returns the effects of whole steps, and how those of several steps become one.
+fn of_steps() -> impl Iterator<Item = (Effect, Merge)> {
+    QUANTITIES.iter().filter_map(|quantity| quantity.effect).filter(|(_, merge)| *merge != Merge::Last)
 }

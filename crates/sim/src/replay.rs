@@ -1,10 +1,13 @@
 //! The contacts of a Trial's agents where frames of a run have them.
 
-use crowd_mechanics::engine::{BodyId, ContactReport, PairForce, State, World};
+use crowd_mechanics::engine::{BodyId, PairForce, State, World};
+use crowd_mechanics::quantities::CrowdQuantity;
 use crowd_mechanics::setup::{Setup, WorldError};
 use lemons_core::plane::{InPlane, Pose};
 use lemons_core::trial::Trial;
-use lemons_results::{Frame, Observed};
+use lemons_results::columns::{self, Effect, Group, RecordedQuantity};
+use lemons_results::{Effects, Frame};
+use std::sync::LazyLock;
 
 /// A Trial's bodies, put where frames of a run have them. Tangential springs are not known; they do not change normal
 /// forces.
@@ -44,9 +47,9 @@ impl<'t> Replay<'t> {
         self.world.set_present_walls(&present).map_err(crowded)
     }
 
-    /// Returns what the contacts do to each agent.
-    pub fn observed(&self) -> Vec<Observed> {
-        observed(self.world.contacts())
+    /// Gives a frame what the contacts do to each agent at its time.
+    pub fn record(&self, frame: &mut Frame) {
+        record(&self.world, &mut frame.effects, |of| of.group == Group::Contacts);
     }
 
     /// Returns the normal forces: for each two that touch, their contacts together, from body to body; for each wall, from
@@ -56,14 +59,20 @@ impl<'t> Replay<'t> {
     }
 }
 
-/// Returns what contacts do to each agent at their time.
-pub(crate) fn observed(contacts: &ContactReport) -> Vec<Observed> {
-    let of = contacts.bodies.iter().map(|body| Observed {
-        agent_contacts: body.agent_contacts,
-        wall_contacts: body.wall_contacts,
-        contacting_agents: body.touching_bodies,
-        normal_force: body.squeeze,
-        of_step: None,
-    });
-    of.collect()
+/// The effects in frames, with the outputs of the crowd that they are.
+static OUTPUTS: LazyLock<Vec<(&RecordedQuantity, Effect, CrowdQuantity)>> = LazyLock::new(|| {
+    let output = |of: &'static RecordedQuantity| {
+        let row = crowd_mechanics::quantities::QUANTITIES.iter().find(|row| row.name == of.variable);
+        Some((of, of.effect?.0, row.expect("an effect is an output of the crowd").quantity))
+    };
+    columns::QUANTITIES.iter().filter_map(output).collect()
+});
+
+/// Records the wanted effects of the contacts in a world.
+pub(crate) fn record(world: &World, effects: &mut Effects, wanted: impl Fn(&RecordedQuantity) -> bool) {
+    let mut numbers = vec![0.0; world.present().len()];
+    for (_, effect, quantity) in OUTPUTS.iter().filter(|(of, ..)| wanted(of)) {
+        quantity.read(world, 0, &mut numbers);
+        effects.record(*effect, numbers.iter().copied());
+    }
 }

@@ -1,7 +1,7 @@
 //! A Trial's crowd, and who decides where its people walk.
 
 use crate::error::SimError;
-use crate::replay::observed;
+use crate::replay::record;
 use crate::variables::IndexedModel;
 use crowd_mechanics::engine::{FaceExposure, World, Wrench, vec2};
 use crowd_mechanics::model::{CrowdModel, SavedCrowd};
@@ -11,7 +11,7 @@ use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
 use lemons_decision::decision::{Act, SavedDecision, Stance};
 use lemons_decision::{Decision, Plan};
 use lemons_fmi::{Model, Phase, Step, fingerprint};
-use lemons_results::{Frame, OfLegs, OfStep, OfWall, Totals};
+use lemons_results::{Effects, Frame, OfLegs, OfWall, Totals};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -267,15 +267,8 @@ impl Simulation {
     pub fn frame(&self) -> Frame {
         let Some(world) = self.world() else { return Frame::default() };
         let report = world.contacts();
-        let mut observed = observed(report);
-        for (seen, exposure) in observed.iter_mut().zip(world.exposures()) {
-            seen.of_step = Some(OfStep {
-                mean_normal_force: exposure.mean_force,
-                mean_wall_force: Some(exposure.mean_wall_force),
-                peak_normal_force: exposure.peak_force,
-                peak_overlap: exposure.peak_overlap,
-            });
-        }
+        let mut effects = Effects::default();
+        record(world, &mut effects, |_| true);
         let of_wall =
             |of: &FaceExposure| OfWall { mean_normal_force: of.mean_force, peak_normal_force: of.peak_force };
         let may_leave = self.walks() || world.present().contains(&false);
@@ -284,7 +277,7 @@ impl Simulation {
             time: self.time,
             legs: self.legs(&agents),
             agents,
-            observed: Some(observed),
+            effects,
             totals: Some(Totals {
                 agent_contacts: report.agent_contacts,
                 wall_contacts: report.wall_contacts,

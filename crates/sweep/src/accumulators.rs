@@ -11,10 +11,10 @@ use crate::output::{Reading, Stop, agents_named};
 use crate::spec::Spec;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;
-use lemons_results::Frame;
 use lemons_results::measure::{
     BalanceOverTime, Density, LoadsOverTime, MeasuringArea, Passages, SqueezeOverTime,
 };
+use lemons_results::{Effects, Frame};
 use lemons_sim::Simulation;
 use std::collections::HashMap;
 
@@ -130,7 +130,7 @@ impl<'a> Accumulators<'a> {
             None => false,
         };
         if kept {
-            self.frames.push(Frame { observed: None, walls: None, panels: None, legs: None, ..frame });
+            self.frames.push(Frame { effects: Effects::default(), walls: None, panels: None, legs: None, ..frame });
         }
         Ok(holds)
     }

@@ -241,28 +241,28 @@ class Crowd:
     def squeeze(self) -> Floats:
         """Returns the present squeeze of all agents, shape (N,): the sum of |F_n| over the contacts [N]. Collisions last
         milliseconds, so it depends on the instant; `mean_squeeze` and `peak_squeeze` do not."""
-        return self._simulation.observe()[:, 6]
+        return self._simulation.observe()[:, PLACE["normal_force"]]
 
     def mean_squeeze(self) -> Floats:
         """Returns the mean squeeze over the last communication step [N], shape (N,): its impulse / the step."""
-        return self._simulation.observe()[:, 7]
+        return self._simulation.observe()[:, PLACE["mean_normal_force"]]
 
     def peak_squeeze(self) -> Floats:
         """Returns the largest squeeze within the last communication step [N], shape (N,)."""
-        return self._simulation.observe()[:, 8]
+        return self._simulation.observe()[:, PLACE["peak_normal_force"]]
 
     def peak_overlap(self) -> Floats:
         """Returns the deepest overlap of the contacts within the last communication step [m], shape (N,)."""
-        return self._simulation.observe()[:, 9]
+        return self._simulation.observe()[:, PLACE["peak_overlap"]]
 
     def mean_wall_squeeze(self) -> Floats:
         """Returns the part of the mean squeeze over the last communication step by walls [N], shape (N,)."""
-        return self._simulation.observe()[:, 10]
+        return self._simulation.observe()[:, PLACE["mean_wall_force"]]
 
     def contacts(self) -> Ints:
         """Returns for all agents the number of contacts with people, of contacts with walls, and of people that touch: shape
         (N, 3)."""
-        return self._simulation.observe()[:, 11:14].astype(np.int32)
+        return self._simulation.observe()[:, PLACE["agent_contacts"] : PLACE["contacting_agents"] + 1].astype(np.int32)
 
     def masses(self) -> Floats:
         """Returns the masses of all agents [kg], shape (N,)."""

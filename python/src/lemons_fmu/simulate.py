@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from . import _native
 from .crowd import Algorithm, Crowd, DecisionChoice, Source, Until, Value
 from .drive import DriveLike
 from .extra import needed
@@ -57,10 +58,9 @@ def simulate(
 ) -> pd.DataFrame:
     """Simulates as `run`, and returns the table that `lemons run` writes, to the last bit.
 
-    The columns are t, id, x, y, vx, vy, theta, omega, agent_contacts, wall_contacts, contacting_agents, normal_force (at that
-    time), mean_normal_force, peak_normal_force, peak_overlap, mean_wall_force (within the step that ends then), active
-    (where people may leave: 1, or 0 for who has left), legs_x, legs_y, steps, balanced, fallen (where people have legs), and
-    total_agent_contacts, total_wall_contacts of the crowd. Units are s, m, rad, N.
+    The columns are COLUMNS. Contacts and `normal_force` are of that time, means and peaks within the step that ends then.
+    `active` is there where people may leave (1, or 0 for who has left), `legs_x` to `fallen` where people have legs. Units are
+    s, m, rad, N.
 
     Raises:
         ImportError: there is no pandas: `pip install 'lemons-fmu[tables]'`. Other errors are those of `run`.
@@ -69,3 +69,8 @@ def simulate(
     with needed("tables", "a table"):
         import pandas
     return run(what, drive, parameters, until, step=step, decision=decision, algorithm=algorithm, stop=stop, progress=progress).frame()
+
+
+# With `python -OO` there is none.
+if simulate.__doc__:
+    simulate.__doc__ = simulate.__doc__.replace("COLUMNS", ", ".join(_native.TABLE))

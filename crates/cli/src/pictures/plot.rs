@@ -18,6 +18,7 @@ use lemons_picture::{
     Values, chart_svg, pdf, png, sheet, svg, titled,
 };
 use lemons_results::Frame;
+use lemons_results::columns::Effect;
 use lemons_results::measure::{LoadsOverTime, WallLoad, within};
 use lemons_sim::Until;
 use std::io::Write;
@@ -235,7 +236,7 @@ fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
         Some(trial) => TrialRun::new(trial, run, bodies)?.run,
         None => run,
     };
-    let recorded = run.frames.iter().all(|frame| frame.observed.is_some());
+    let recorded = run.frames.iter().all(|frame| frame.effects.knows(Effect::NormalForce));
     let mut of_contacts = arguments.series.iter().filter(|quantity| quantity.is_of_contacts());
     if let Some(quantity) = of_contacts.next().filter(|_| !recorded && bodies == Bodies::Known) {
         let (name, _) = quantity.label();

@@ -6,8 +6,9 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 use lemons_core::plane::Motion;
 use lemons_picture::ColourMap;
+use lemons_results::columns::Effect;
 use lemons_results::measure::{BalanceOverTime, MovingMeans, squeeze};
-use lemons_results::{Frame, OfStep, Run};
+use lemons_results::{Frame, Run};
 
 /// A quantity of each agent at each time.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -90,8 +91,7 @@ impl DrawnQuantity {
     /// the times, which is told.
     fn known_of(self, run: &Run) -> DrawnQuantity {
         let of_steps = self.is_mean() || self == DrawnQuantity::PeakSqueeze;
-        let mut observed = run.frames.iter().flat_map(|frame| frame.observed.iter().flatten());
-        if !of_steps || observed.all(|seen| seen.of_step.is_some()) {
+        if !of_steps || run.frames.iter().all(|frame| frame.effects.knows(Effect::MeanNormalForce)) {
             return self;
         }
         note!(
@@ -118,7 +118,9 @@ impl DrawnValues {
     /// # Errors
     /// Means are over less than a communication step, people have no legs, or nothing is known of contacts.
     pub fn of(quantity: DrawnQuantity, run: &Run, over: Option<f64>) -> Result<DrawnValues> {
-        if quantity.is_of_contacts() && run.frames.iter().any(|frame| frame.observed.is_none()) {
+        if quantity.is_of_contacts()
+            && !run.frames.iter().all(|frame| frame.effects.knows(Effect::NormalForce))
+        {
             let (source, (label, _)) = (run.source.display(), quantity.label());
             bail!(
                 "{source}: it does not contain the {label}: these are positions only, without bodies and forces"
@@ -194,19 +196,18 @@ impl DrawnValues {
         if let Some(values) = &self.values {
             return values[place][agent];
         }
-        let seen = frame.observed.as_ref().and_then(|all| all.get(agent));
-        let of_step = |value: fn(&OfStep) -> f64| seen?.of_step.as_ref().map(value);
+        let effect = |effect| frame.effects.get(effect, agent);
         let legs = frame.legs.as_ref().map(|all| &all[agent]);
         let known = match self.quantity {
             DrawnQuantity::X => Some(motion.pose.position.x),
             DrawnQuantity::Y => Some(motion.pose.position.y),
             DrawnQuantity::Speed => Some(motion.twist.velocity.norm()),
-            DrawnQuantity::Squeeze | DrawnQuantity::GreatestSqueeze => of_step(|step| step.mean_normal_force),
-            DrawnQuantity::PeakSqueeze => of_step(|step| step.peak_normal_force),
-            DrawnQuantity::SqueezeAtTheTime => seen.map(|seen| seen.normal_force),
-            DrawnQuantity::Contacts => {
-                seen.map(|seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts))
-            }
+            DrawnQuantity::Squeeze | DrawnQuantity::GreatestSqueeze => effect(Effect::MeanNormalForce),
+            DrawnQuantity::PeakSqueeze => effect(Effect::PeakNormalForce),
+            DrawnQuantity::SqueezeAtTheTime => effect(Effect::NormalForce),
+            DrawnQuantity::Contacts => effect(Effect::AgentContacts)
+                .zip(effect(Effect::WallContacts))
+                .map(|(some, more)| some + more),
             DrawnQuantity::Lean => legs.map(|legs| (frame.agents[agent].pose.position - legs.feet).norm()),
             DrawnQuantity::Steps => legs.map(|legs| legs.steps.into()),
             DrawnQuantity::Fallen => legs.map(|legs| legs.fallen.into()),

@@ -22,7 +22,8 @@ use std::sync::Arc;
 pub struct RunSource {
     #[arg(value_name = "TRIAL, FILE.fmu, TABLE or SERIES", help = format!(
         "A Trial or an FMU, which is simulated first, as by lemons run; or the results of an earlier run: its table, or \
-         an OutputDirectory of XML files; or trajectories of an experiment or of another simulator: {READ}"
+         an OutputDirectory of XML files; or trajectories of an experiment or of another simulator: {}",
+        *READ
     ))]
     pub path: PathBuf,
     /// Tables of the runs that went on from there (lemons run --resume), in the order of time

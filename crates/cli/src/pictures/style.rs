@@ -13,7 +13,8 @@ use lemons_core::plane::{Vec2, vec2};
 use lemons_picture::{
     Bounds, Colour, DrawnForce, Fill, PictureScene, Style, Theme, Trail, Values, ids_without_room,
 };
-use lemons_results::{Observed, Run};
+use lemons_results::columns::Effect;
+use lemons_results::{Frame, Run};
 use lemons_sim::Replay;
 use std::path::PathBuf;
 
@@ -319,8 +320,11 @@ impl<'r> Scenes<'r> {
         let Some(replay) = &mut self.replay else { return Vec::new() };
         // No run of this Trial has too many in one place.
         let put = replay.put(state.frame).is_ok();
-        let recorded = state.frame.observed.iter().flatten();
-        let agrees = put && replay.observed().iter().zip(recorded).all(agree);
+        let mut computed = Frame::default();
+        replay.record(&mut computed);
+        let squeeze = |frame: &Frame, agent| frame.effects.get(Effect::NormalForce, agent);
+        let known = |agent| squeeze(&computed, agent).zip(squeeze(state.frame, agent));
+        let agrees = put && (0..state.agents.len()).filter_map(known).all(agree);
         if !(agrees || self.told) {
             self.told = true;
             note!(
@@ -372,8 +376,7 @@ fn clipped(mut values: Vec<f64>) -> Option<(f64, bool)> {
 }
 
 /// Returns whether computed and recorded squeeze agree, or the run had other parameters.
-fn agree((computed, recorded): (&Observed, &Observed)) -> bool {
-    let [computed, recorded] = [computed, recorded].map(|seen| seen.normal_force);
+fn agree((computed, recorded): (f64, f64)) -> bool {
     let (relative, absolute) = AGREEMENT;
     (computed - recorded).abs() <= absolute + relative * recorded.max(computed)
 }

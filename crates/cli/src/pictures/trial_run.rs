@@ -4,6 +4,7 @@ use anyhow::bail;
 use crowd_mechanics::setup::WorldError;
 use lemons_core::plane::{Motion, Pose, Vec2, vec2};
 use lemons_core::trial::Trial;
+use lemons_results::columns::Effect;
 use lemons_results::{Frame, Run};
 use lemons_sim::Replay;
 use lemons_sim::stop::moves;
@@ -68,9 +69,9 @@ impl TrialRun {
             return Ok(TrialRun { trial, run, bodies });
         }
         let mut replay = Replay::new(&trial)?;
-        for frame in run.frames.iter_mut().filter(|frame| frame.observed.is_none()) {
+        for frame in run.frames.iter_mut().filter(|frame| !frame.effects.knows(Effect::NormalForce)) {
             replay.put(frame)?;
-            frame.observed = Some(replay.observed());
+            replay.record(frame);
         }
         Ok(TrialRun { trial, run, bodies })
     }

@@ -141,7 +141,7 @@ impl Reader {
             Some(of) => (0..agents).all(|i| is_output(description, &of_agent(i, of), of)),
             None => false,
         };
-        let groups = Groups { active: may_leave(system, place, agents)?, ..Groups::among(has) };
+        let groups = Groups::among(has).with(Group::Active, may_leave(system, place, agents)?);
         let ids = match &trial {
             Some(trial) => trial.agents.iter().map(|agent| agent.id.clone()).collect(),
             None => (0..agents).map(|i| i.to_string()).collect(),

@@ -14,6 +14,7 @@ use anyhow::{Context, Error, Result, bail};
 use indicatif::ProgressBar;
 use lemons_decision::Plan;
 use lemons_master::{FileType, RunSettings, SavedRun, TrialInput, writers};
+use lemons_results::columns::Group;
 use lemons_results::measure::{Leaving, WAITING, Wait};
 use lemons_results::{Frame, Run};
 use lemons_sim::lint::late_legs;
@@ -252,8 +253,10 @@ fn who_leaves(plans: &[Plan], recorders: &[CrowdRecorder]) -> Vec<bool> {
     let who = recorders.iter().flat_map(|recorder| {
         let CrowdInfo { ids, groups, .. } = &recorder.crowd;
         // Only our own plans say who has an exit; of others, all might leave.
-        let known = if groups.active { plans.next() } else { None };
-        known.filter(|who| who.len() == ids.len()).unwrap_or_else(|| vec![groups.active; ids.len()])
+        let known = if groups.has(Group::Active) { plans.next() } else { None };
+        known
+            .filter(|who| who.len() == ids.len())
+            .unwrap_or_else(|| vec![groups.has(Group::Active); ids.len()])
     });
     who.collect()
 }

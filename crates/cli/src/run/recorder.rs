@@ -8,6 +8,7 @@ use lemons_core::files::Staged;
 use lemons_core::plane::Pose;
 use lemons_core::trial::Agent;
 use lemons_master::{CrowdRecord, SavedRun};
+use lemons_results::columns::Group;
 use lemons_results::{Frame, FrameWriter, KeptFrames, Recorder, Run, TableContent, TableFormat};
 use lemons_sim::lint::RunEnd;
 use lemons_sim::{ExposureSum, Extremes, Greatest, PointKind};
@@ -182,7 +183,7 @@ impl CrowdRecorder {
             }
         };
         let mut lines = Vec::new();
-        if groups.active {
+        if groups.has(Group::Active) {
             let left = (0..ids.len()).filter(|agent| !self.end.last.is_there(*agent)).count();
             let last = self
                 .end
@@ -191,7 +192,7 @@ impl CrowdRecorder {
                 .map_or(String::new(), |(time, _)| format!("; the last at {time:.3} s"));
             lines.push(format!("left               {left:>10}     (of {} people{last})", ids.len()));
         }
-        if groups.of_step {
+        if groups.has(Group::OfStep) {
             lines.push(format!("largest overlap    {:>10.3} mm", 1e3 * largest_overlap));
             lines.push(squeeze("greatest step mean", mean_squeeze, "step to"));
             lines.push(squeeze("greatest peak", peak_squeeze, "step to"));

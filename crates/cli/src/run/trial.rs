@@ -10,7 +10,7 @@ use lemons_core::plane::{Twist, Vec2};
 use lemons_decision::DECISION_FILE;
 use lemons_fmi::variables::{Scalar, VariableType};
 use lemons_master::{ComponentRecord, RunSettings, TrialInput, notes};
-use lemons_results::columns::{ALL, Column, Groups};
+use lemons_results::columns::{Column, Groups};
 use lemons_results::{CellType, Frame};
 use lemons_sim::lint::{self, Files};
 use lemons_sim::settings::{CROWD, DECISION, VariableSelection};
@@ -139,8 +139,7 @@ pub fn prepare(given: &TrialInput, settings: &RunSettings) -> Result<PreparedRun
     let output_columns = columns_of(&simulation);
     let names: Vec<String> = output_columns.iter().map(|column| column.name.clone()).collect();
     let outputs = simulation.select(&names).map_err(|(name, _)| anyhow!("there is no {name}"))?;
-    let frame = simulation.frame();
-    let groups = Groups { active: frame.active.is_some(), legs: frame.legs.is_some(), ..ALL };
+    let groups = Groups::of(&simulation.frame());
     let crowd = CrowdInfo {
         component: CROWD.into(),
         ids: simulation.ids().to_vec(),

@@ -97,9 +97,7 @@ pub(super) fn text(config: &DecisionConfig) -> Result<String, Error> {
     text.list("goals", config.goals.as_ref(), target)?;
     text.list("motivation", Some(&config.motivation).filter(|all| !all.is_empty()), |_| "[s]")?;
     text.section("queue", config.queue.as_ref())?;
-    text.section("collision-free-speed", config.collision_free_speed.as_ref())?;
-    text.section("social-force", config.social_force.as_ref())?;
-    text.section("rotational", config.rotational.as_ref())?;
+    config.constants().try_for_each(|of| text.section(of.name().name(), Some(&of)))?;
     text.section("pendulum", config.pendulum.as_ref())?;
     text.section("two-level", config.two_level.as_ref())?;
     let mut agents: Vec<_> = config.agents.iter().collect();

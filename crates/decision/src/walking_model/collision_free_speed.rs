@@ -8,6 +8,7 @@ use super::near::{self, Near, facing, in_front, queues, repulsion};
 use super::{CLOSE, DesiredMotion, FAR, Walk, Walking};
 use crate::error::{PlanError, moderate, positive};
 use lemons_core::plane::{InPlane, Vec2, rotation};
+use lemons_core::trial::Rule;
 use serde::{Deserialize, Serialize};
 
 /// Constants of the collision-free speed model.
@@ -50,6 +51,10 @@ impl Walk for CollisionFreeSpeed {
 
     fn time_gap(&self) -> f64 {
         self.time_gap
+    }
+
+    fn unfit(&self) -> [Option<Rule>; 2] {
+        [Some(Rule::SpeedLeaves), Some(Rule::SpeedMeets)]
     }
 
     fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {

@@ -23,6 +23,7 @@ use super::{CLOSE, DesiredMotion, FAR, Walk, Walking};
 use crate::cells::{Cells, nearest_points, sees};
 use crate::error::{PlanError, moderate, not_negative, positive};
 use lemons_core::plane::{InPlane, Rotation, Vec2, rotation, vec2};
+use lemons_core::trial::Rule;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
@@ -148,6 +149,10 @@ impl Walk for Rotational {
 
     fn turns_shoulders(&self) -> bool {
         true
+    }
+
+    fn unfit(&self) -> [Option<Rule>; 2] {
+        [None; 2]
     }
 
     fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {

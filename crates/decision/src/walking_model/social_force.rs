@@ -6,6 +6,7 @@ use super::straight::straight;
 use super::{CLOSE, DesiredMotion, FAR, Walk, Walking};
 use crate::error::{PlanError, moderate, positive};
 use lemons_core::plane::Vec2;
+use lemons_core::trial::Rule;
 use serde::{Deserialize, Serialize};
 
 /// Constants of the social force model.
@@ -28,6 +29,10 @@ impl Walk for SocialForce {
     fn check(&self) -> Result<(), PlanError> {
         moderate("social-force", "strength", self.strength)?;
         positive("social-force", "range", self.range)
+    }
+
+    fn unfit(&self) -> [Option<Rule>; 2] {
+        [Some(Rule::ForceLeaves), Some(Rule::ForceMeets)]
     }
 
     fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {

@@ -3,9 +3,11 @@
 use super::{DesiredMotion, Walk, Walking};
 use crate::error::PlanError;
 use lemons_core::plane::Vec2;
+use lemons_core::trial::Rule;
+use serde::Serialize;
 
 /// The model, which has no constants.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Straight;
 
 impl Walk for Straight {
@@ -15,6 +17,10 @@ impl Walk for Straight {
 
     fn sees_others(&self) -> bool {
         false
+    }
+
+    fn unfit(&self) -> [Option<Rule>; 2] {
+        [Some(Rule::StraightLeaves), Some(Rule::StraightMeets)]
     }
 
     fn desired(&self, people: &[Option<Walking<'_>>], _: &[[Vec2; 2]]) -> Vec<DesiredMotion> {

@@ -12,7 +12,7 @@ use lemons_master::{
 };
 use lemons_people::zip_trial;
 use lemons_results::Frame;
-use lemons_results::columns::{Groups, row_of};
+use lemons_results::columns::{Group, Groups, row_of};
 use lemons_sim::lint::{self, Files};
 use lemons_sim::{Algorithm, Clock, Documents, Simulation};
 use lemons_testing::{repository, trial_push};
@@ -59,7 +59,7 @@ fn of_fmus(scene: &Scene, format: FmuFormat, algorithm: Algorithm, clock: &Clock
         RunSettings { until: Some(clock.until), step: Some(clock.step), algorithm, ..RunSettings::of(input) };
     let mut run = PreparedSystem::of(&settings).unwrap();
     let agents = scene.documents.trial.agents.len();
-    let groups = Groups { active: true, ..Groups::default() };
+    let groups = Groups::default().with(Group::Active, true);
     let see = |run: &PreparedSystem| -> Vec<[u64; 6]> {
         let crowd = run.system.components.iter().find(|component| component.name == "crowd").unwrap();
         let names = groups.variables(agents).into_iter().map(|(name, _)| name);

@@ -4,6 +4,7 @@
 //! peak, does not depend on when a crowd is looked at within a step: within a step the squeeze counts as its mean.
 
 use crate::Frame;
+use crate::columns::Effect;
 use crate::measure::impulses::MovingMeans;
 use crate::measure::{By, ROUNDING, squeeze};
 
@@ -107,10 +108,9 @@ impl SqueezeOverTime {
 
     /// Adds the next frame; with `by`, the squeeze by people or by walls alone.
     pub fn see(&mut self, frame: &Frame, by: Option<By>) {
-        let seen = frame.observed.as_deref();
-        let mut steps = seen.unwrap_or_default().iter().map(|seen| seen.of_step);
-        self.complete &= seen.is_some()
-            && steps.all(|step| step.is_some_and(|step| by.is_none() || step.mean_wall_force.is_some()));
+        let effects = &frame.effects;
+        self.complete &=
+            effects.knows(Effect::MeanNormalForce) && (by.is_none() || effects.knows(Effect::MeanWallForce));
         if self.complete {
             let squeezes: Vec<_> = self.agents.iter().map(|agent| squeeze(frame, *agent, by)).collect();
             self.add(frame.time, squeezes.into_iter());
@@ -224,7 +224,6 @@ fn part_above((a, b): (f64, f64), level: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Observed, OfStep};
     use lemons_core::plane::Motion;
 
     /// Returns the exposure of a person whose squeeze has this integral \[N s\] from 0 to a time, in steps of this length \[s\].
@@ -369,23 +368,25 @@ mod tests {
     /// Two people for a second: by 300 N, of which 100 N are by walls, in frames that say all, one of these, or nothing.
     #[test]
     fn what_frames_do_not_say_is_not_known() {
-        let seen = |step: Option<OfStep>, frames: u32, by: Option<By>| {
+        let seen = |step: &[(Effect, f64)], frames: u32, by: Option<By>| {
             let mut exposure = SqueezeOverTime::new(2, &[], None);
             for k in 0..frames {
-                let observed = vec![Observed { of_step: step, ..Observed::default() }; 2];
                 let (time, agents) = (f64::from(k), vec![Motion::default(); 2]);
-                exposure.see(&Frame { time, agents, observed: Some(observed), ..Frame::default() }, by);
+                let mut frame = Frame { time, agents, ..Frame::default() };
+                frame.effects.record(Effect::NormalForce, [0.0; 2].into_iter());
+                step.iter().for_each(|(effect, of)| frame.effects.record(*effect, [*of; 2].into_iter()));
+                exposure.see(&frame, by);
             }
             exposure.finish().map(|each| [each[1].impulse, each[1].largest_step])
         };
-        let whole = OfStep { mean_normal_force: 300.0, mean_wall_force: Some(100.0), ..OfStep::default() };
+        let parts = [(Effect::MeanNormalForce, 300.0), (Effect::PeakNormalForce, 0.0)];
+        let whole = [&parts[..], &[(Effect::MeanWallForce, 100.0)]].concat();
         for (by, expected) in [(None, 300.0), (Some(By::People), 200.0), (Some(By::Walls), 100.0)] {
-            assert_eq!(seen(Some(whole), 2, by), Ok([expected; 2]));
+            assert_eq!(seen(&whole, 2, by), Ok([expected; 2]));
         }
-        let parts = Some(OfStep { mean_wall_force: None, ..whole });
-        assert_eq!(seen(parts, 2, None), Ok([300.0; 2]));
-        assert!(seen(parts, 2, Some(By::Walls)).unwrap_err().contains("do not contain the mean squeeze"));
-        assert!(seen(None, 2, None).unwrap_err().contains("do not contain the mean squeeze"));
-        assert!(seen(parts, 1, None).unwrap_err().contains("only one frame"));
+        assert_eq!(seen(&parts, 2, None), Ok([300.0; 2]));
+        assert!(seen(&parts, 2, Some(By::Walls)).unwrap_err().contains("do not contain the mean squeeze"));
+        assert!(seen(&[], 2, None).unwrap_err().contains("do not contain the mean squeeze"));
+        assert!(seen(&parts, 1, None).unwrap_err().contains("only one frame"));
     }
 }

@@ -26,7 +26,8 @@ pub(super) fn place<'a>(
         let needed = needed.collect::<Vec<_>>().join(", ");
         return Err(format!(
             "there is no column {name:?} (lemons run writes {needed}; of other programs are read: \
-                            {READ})"
+                            {})",
+            *READ
         ));
     };
     if found.next().is_some() {

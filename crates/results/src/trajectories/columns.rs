@@ -37,8 +37,10 @@ enum Rule {
 }
 
 /// Tables of a program.
-struct Program {
-    name: &'static str,
+pub(super) struct Program {
+    pub name: &'static str,
+    /// Its files, as [`READ`](super::READ) names them; `None` where it is named already.
+    pub files: Option<&'static str>,
     /// Columns, or beginnings of them, that all its tables have, and no table of a run.
     known_by: &'static [&'static str],
     id: &'static str,
@@ -52,9 +54,10 @@ struct Program {
 
 /// The first one whose columns are there counts. Where SUMO writes a table itself, people and vehicles have the columns
 /// of whoever comes first; its script `xml2csv.py` gives each columns of their own.
-const PROGRAMS: &[Program] = &[
+pub(super) const PROGRAMS: &[Program] = &[
     Program {
         name: "SUMO",
+        files: None,
         known_by: &["timestep_time", "person_"],
         id: "person_id",
         time: "timestep_time",
@@ -65,6 +68,7 @@ const PROGRAMS: &[Program] = &[
     },
     Program {
         name: "SUMO",
+        files: None,
         known_by: &["timestep_time", "vehicle_"],
         id: "vehicle_id",
         time: "timestep_time",
@@ -75,6 +79,7 @@ const PROGRAMS: &[Program] = &[
     },
     Program {
         name: "Vadere",
+        files: Some("postvis.traj"),
         known_by: &["pedestrianId"],
         id: "pedestrianId",
         time: "simTime",
@@ -85,6 +90,7 @@ const PROGRAMS: &[Program] = &[
     },
     Program {
         name: "Viswalk",
+        files: Some(".pp"),
         known_by: &["$PEDESTRIAN:"],
         id: "NO",
         time: "SIMSEC",
@@ -95,6 +101,7 @@ const PROGRAMS: &[Program] = &[
     },
     Program {
         name: "Pathfinder",
+        files: Some("CSV"),
         known_by: &["t", "name", "v"],
         id: "id",
         time: "t",
@@ -105,6 +112,7 @@ const PROGRAMS: &[Program] = &[
     },
     Program {
         name: "crowd:it",
+        files: Some("CSV"),
         known_by: &["pedID", "posX"],
         id: "pedID",
         time: "time",

@@ -274,7 +274,7 @@ fn who_is_not_known_is_told_what_is_read() {
         assert!(!holds_trajectories(&path).unwrap(), "{text}");
         let message = Record::of_others(&path, &Told::default()).err().unwrap().to_string();
         assert!(
-            message.contains("holds no trajectories that are read: ") && message.ends_with(READ),
+            message.contains("holds no trajectories that are read: ") && message.ends_with(&*READ),
             "{text}: {message}"
         );
     }

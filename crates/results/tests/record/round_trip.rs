@@ -8,6 +8,7 @@ use lemons_core::plane::vec2;
 use lemons_core::trial::Trial;
 use lemons_fmi::location::Location;
 use lemons_fmi::{Model, Step};
+use lemons_results::columns::Effect;
 use lemons_results::{KeptFrames, Record, RecordError, Run, series, trial_at_end};
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
@@ -68,11 +69,12 @@ fn the_end_of_a_series_is_where_the_run_was() {
     let (mut rubbed_agents, mut rubbed_walls) = (0, 0);
     for (k, mut world) in worlds.into_iter().enumerate() {
         let frames = series.frames[..=k].to_vec();
-        let seen = world.contacts().bodies.iter().zip(frames[k].observed.as_ref().unwrap());
-        for (wanted, seen) in seen {
-            let counts = (seen.agent_contacts, seen.wall_contacts, seen.contacting_agents);
-            assert_eq!(counts, (wanted.agent_contacts, wanted.wall_contacts, wanted.touching_bodies));
-            assert!((seen.normal_force - wanted.squeeze).abs() <= 1e-12 * wanted.squeeze);
+        for (agent, wanted) in world.contacts().bodies.iter().enumerate() {
+            let seen = |effect| frames[k].effects.get(effect, agent).unwrap();
+            let counts = [Effect::AgentContacts, Effect::WallContacts, Effect::ContactingAgents].map(seen);
+            let counted = [wanted.agent_contacts, wanted.wall_contacts, wanted.touching_bodies];
+            assert_eq!(counts, counted.map(f64::from));
+            assert!((seen(Effect::NormalForce) - wanted.squeeze).abs() <= 1e-12 * wanted.squeeze);
         }
         let until = Run { frames, ..series.clone() };
         trial_at_end(&until.into(), &trial).unwrap().write(&at.join("end")).unwrap();

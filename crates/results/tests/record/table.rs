@@ -3,7 +3,8 @@
 use crowd_mechanics::setup;
 use lemons_core::files::Staged;
 use lemons_core::plane::Vec2;
-use lemons_results::{KeptFrames, Observed, OfStep, Record, Run, chaos, jupedsim, pedpy, walkable_area};
+use lemons_results::columns::Effect;
+use lemons_results::{KeptFrames, Record, Run, chaos, jupedsim, pedpy, walkable_area};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -28,22 +29,22 @@ fn good(directory: &TempDir) -> Run {
 #[test]
 fn groups_of_columns_are_read_where_all_are_there() {
     let directory = TempDir::new().unwrap();
-    assert!(good(&directory).frames.iter().all(|frame| frame.observed.is_none()));
+    assert!(good(&directory).frames.iter().all(|frame| !frame.effects.knows(Effect::AgentContacts)));
     let of_step = "mean_normal_force,peak_normal_force,peak_overlap [m]";
     let read = |more: &str, row: &str| {
         let head = format!("{HEADER},wall_contacts,contacting_agents,normal_force{more}");
         Run::read_table(&table(&directory, &format!("{head}\n0.0,a,1,2,0,0,0,0,{row}\n")))
     };
-    let (agent_contacts, wall_contacts, contacting_agents, normal_force) = (3, 1, 2, 125.5);
-    let seen = Observed { agent_contacts, wall_contacts, contacting_agents, normal_force, of_step: None };
-    assert_eq!(read("", "3,1,2,125.5").unwrap().frames[0].observed, Some(vec![seen]));
-    let run = read(&format!(",{of_step}"), "3,1,2,0.0,80.5,1e3,0.002").unwrap();
-    let (mean_normal_force, peak_normal_force, peak_overlap) = (80.5, 1000.0, 0.002);
-    let mut step = OfStep { mean_normal_force, mean_wall_force: None, peak_normal_force, peak_overlap };
-    assert_eq!(run.frames[0].observed.as_ref().unwrap()[0].of_step, Some(step));
-    let run = read(&format!(",{of_step},mean_wall_force"), "3,1,2,0.0,80.5,1e3,0.002,30.5").unwrap();
-    step.mean_wall_force = Some(30.5);
-    assert_eq!(run.frames[0].observed.as_ref().unwrap()[0].of_step, Some(step));
+    let seen = |more: &str, row: &str| {
+        let run = read(more, row).unwrap();
+        Effect::ALL.map(|effect| run.frames[0].effects.get(effect, 0))
+    };
+    let known = |numbers: &[f64]| std::array::from_fn(|place| numbers.get(place).copied());
+    assert_eq!(seen("", "3,1,2,125.5"), known(&[3.0, 1.0, 2.0, 125.5]));
+    let step = [3.0, 1.0, 2.0, 0.0, 80.5, 1000.0, 0.002, 30.5];
+    assert_eq!(seen(&format!(",{of_step}"), "3,1,2,0.0,80.5,1e3,0.002"), known(&step[..7]));
+    let all = format!(",{of_step},mean_wall_force");
+    assert_eq!(seen(&all, "3,1,2,0.0,80.5,1e3,0.002,30.5"), known(&step));
     for (more, row, expected) in [
         ("", "3,-1,2,0.0", "wall_contacts: \"-1\" is not a valid number"),
         ("", "3,2147483648,2,0.0", "wall_contacts: \"2147483648\" is not a valid number"),

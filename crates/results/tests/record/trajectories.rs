@@ -1,6 +1,7 @@
 //! Trajectories of others: what is read of texts and databases, and what is refused.
 
 use lemons_core::files::Staged;
+use lemons_results::columns::Effect;
 use lemons_results::{
     Area, Frame, KeptFrames, Record, RecordError, Run, Told, given_area, holds_trajectories, jupedsim, pedpy,
 };
@@ -63,7 +64,7 @@ fn people_appear_and_vanish_and_velocities_are_central_differences() {
     let (_, run) = read(&path, &Told { velocity_over: 0.5, ..Told::default() }).unwrap();
     let velocities = [0, 1, 4, 5].map(|k| run.frames[k].agents[0].twist.velocity.x);
     assert_eq!(velocities, [0.0; 4]);
-    assert!(run.frames.iter().all(|frame| frame.observed.is_none()));
+    assert!(run.frames.iter().all(|frame| !Effect::ALL.iter().any(|of| frame.effects.knows(*of))));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Frames that are written to a table and read again are the same to the bit, in every format, in one table or several.
 
-use lemons_results::columns::{ALL, Column, Groups};
+use lemons_results::columns::{ALL, Column, Group, Groups};
 use lemons_results::{
     Cell, CellType, Frame, FrameWriter, KeptFrames, Record, Run, TableContent, TableFormat, TableWriter,
 };
@@ -51,8 +51,8 @@ fn write(path: &Path, format: TableFormat, groups: Groups, frames: &[Frame]) {
 
 /// `{:?}` of a double reads back to the same double, so that equal texts are equal bits; NaN is not written.
 fn text(frame: &Frame) -> String {
-    let Frame { time, agents, observed, active, legs, totals, .. } = frame;
-    format!("{time:?} {agents:?} {observed:?} {active:?} {legs:?} {totals:?}")
+    let Frame { time, agents, effects, active, legs, totals, .. } = frame;
+    format!("{time:?} {agents:?} {effects:?} {active:?} {legs:?} {totals:?}")
 }
 
 #[track_caller]
@@ -77,20 +77,20 @@ fn frames_come_back_to_the_bit() {
             (most, ALL),
             (1, ALL),
             (3, none),
-            (3, Groups { contacts: true, ..none }),
-            (3, Groups { totals: false, ..ALL }),
-            (3, Groups { by_walls: false, ..ALL }),
-            (3, Groups { contacts: true, totals: true, ..none }),
-            (3, Groups { active: true, ..none }),
-            (3, Groups { legs: true, ..none }),
-            (3, Groups { totals: true, ..none }),
+            (3, none.with(Group::Contacts, true)),
+            (3, ALL.with(Group::Totals, false)),
+            (3, ALL.with(Group::Later, false)),
+            (3, none.with(Group::Contacts, true).with(Group::Totals, true)),
+            (3, none.with(Group::Active, true)),
+            (3, none.with(Group::Legs, true)),
+            (3, none.with(Group::Totals, true)),
         ] {
             let frames = frames(count, groups);
             write(&path, format, groups, &frames);
             same(&Run::read_table(&path).unwrap(), &frames);
         }
         let bytes = std::fs::read(&path).unwrap();
-        let totals = Groups { totals: true, ..none };
+        let totals = none.with(Group::Totals, true);
         write(&path, format, totals, &frames(3, totals));
         assert!(std::fs::read(&path).unwrap() == bytes, "the same rows give the same bytes");
     }

@@ -7,6 +7,7 @@ use lemons_core::trial::{Problem, Rule};
 use lemons_decision::Plan;
 use lemons_decision::target::nearest_exit;
 use lemons_results::Frame;
+use lemons_results::columns::Effect;
 use std::path::Path;
 
 /// Part of the desired speed: who is slower and touched gets no further.
@@ -75,10 +76,9 @@ impl RunEnd {
             return None;
         }
         let frame = &self.last;
-        let observed = frame.observed.as_ref()?;
-        let people = plan.agents.iter().zip(forces).zip(observed).zip(&frame.agents);
-        let squeezes = people.filter_map(|(((agent, force), observed), motion)| {
-            let squeeze = observed.of_step?.mean_normal_force;
+        let people = plan.agents.iter().zip(forces).zip(&frame.agents).enumerate();
+        let squeezes = people.filter_map(|(place, ((agent, force), motion))| {
+            let squeeze = frame.effects.get(Effect::MeanNormalForce, place)?;
             let slow = motion.twist.velocity.norm() < STUCK * agent.walker.desired_speed;
             (slow && *force != Vec2::zeros() && squeeze > 0.0).then_some(squeeze)
         });

@@ -7,7 +7,6 @@ use lemons_core::trial::{Geometry, Rule};
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
 use lemons_decision::target::{Target, Ways};
-use lemons_decision::walking_model::WalkingModel;
 use std::collections::BTreeSet;
 
 /// \[m\] People whose ways are further apart than this do not meet.
@@ -22,15 +21,11 @@ const MOST: usize = 2000;
 /// Finds a model where people leave, and where they walk against each other: a warning where results are wrong by a
 /// factor, a note where they may be meant so.
 pub(super) fn unfit(plan: &Plan) -> Vec<(Rule, Message)> {
-    let (leaving, opposite) = match plan.walking_model {
-        WalkingModel::CollisionFreeSpeed(_) => (Rule::SpeedLeaves, Rule::SpeedMeets),
-        WalkingModel::SocialForce(_) => (Rule::ForceLeaves, Rule::ForceMeets),
-        WalkingModel::Straight(_) => (Rule::StraightLeaves, Rule::StraightMeets),
-        WalkingModel::Rotational(_) => return Vec::new(),
-    };
-    let leave = plan.leaving().contains(&true).then(|| (leaving, leaving.message()));
-    let meet = meeting(plan).map(|[one, other]| {
-        (opposite, message!(OF, of = message!(TWO_AGENTS, one, other), finding = opposite.message()))
+    let [leaving, opposite] = plan.walking_model.unfit();
+    let leave = leaving.filter(|_| plan.leaving().contains(&true)).map(|rule| (rule, rule.message()));
+    let meet = opposite.and_then(|rule| {
+        let [one, other] = who_meet(plan)?;
+        Some((rule, message!(OF, of = message!(TWO_AGENTS, one, other), finding = rule.message())))
     });
     leave.into_iter().chain(meet).collect()
 }
@@ -181,7 +176,7 @@ impl<'a> Way<'a> {
 }
 
 /// Returns two who walk towards each other, if many do. Only the first parts of the ways are looked at.
-fn meeting<'a>(plan: &'a Plan) -> Option<[&'a str; 2]> {
+fn who_meet<'a>(plan: &'a Plan) -> Option<[&'a str; 2]> {
     let ways = plan.ways().ok()?;
     let every = plan.agents.len().div_ceil(MOST);
     let looked_at = plan.agents.iter().step_by(every);

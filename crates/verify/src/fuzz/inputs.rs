@@ -7,10 +7,10 @@ use lemons_core::files::Staged;
 use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::{DriveChoice, DriveTable};
 use lemons_master::SavedRun;
-use lemons_results::columns::Groups;
+use lemons_results::columns::{Effect, Groups};
 use lemons_results::{
-    FrameWriter, Observed, OfLegs, Record, RecordError, Run, TableContent, TableFormat, TableWriter, Told,
-    Totals, pedpy,
+    FrameWriter, OfLegs, Record, RecordError, Run, TableContent, TableFormat, TableWriter, Told, Totals,
+    pedpy,
 };
 use lemons_sim::Clock;
 use lemons_sweep::{Finished, MeasuredValue, Points, Spec, SweepTable};
@@ -142,11 +142,11 @@ fn names_file(error: &RecordError, path: &Path) -> bool {
     error.to_string().starts_with(&format!("{}: ", path.display()))
 }
 
-type Row<'a> = (u64, &'a Motion, Option<&'a Observed>, Option<&'a OfLegs>, Option<Totals>);
+type Row<'a> = (u64, &'a Motion, [Option<f64>; Effect::ALL.len()], Option<&'a OfLegs>, Option<Totals>);
 
 fn content(run: &Run) -> impl Iterator<Item = Row<'_>> {
     run.frames.iter().flat_map(|frame| {
-        let seen = |k: usize| frame.observed.as_ref().map(|observed| &observed[k]);
+        let seen = |k: usize| Effect::ALL.map(|effect| frame.effects.get(effect, k));
         let legs = |k: usize| frame.legs.as_ref().map(|legs| &legs[k]);
         // -0.0 and 0.0 are one time.
         let time = (frame.time + 0.0).to_bits();
@@ -154,21 +154,8 @@ fn content(run: &Run) -> impl Iterator<Item = Row<'_>> {
     })
 }
 
-fn groups_of(run: &Run) -> Groups {
-    let first = &run.frames[0];
-    let seen = first.observed.as_ref().map(|all| all[0]);
-    Groups {
-        contacts: seen.is_some(),
-        of_step: seen.is_some_and(|seen| seen.of_step.is_some()),
-        by_walls: seen.is_some_and(|seen| seen.of_step.is_some_and(|step| step.mean_wall_force.is_some())),
-        active: first.active.is_some(),
-        legs: first.legs.is_some(),
-        totals: first.totals.is_some(),
-    }
-}
-
 fn write(run: &Run, path: &Path, format: TableFormat) {
-    let groups = groups_of(run);
+    let groups = Groups::of(&run.frames[0]);
     let content = TableContent { columns: groups.columns(), about: Vec::new() };
     let file = File::create(path).expect("a file");
     let table = TableWriter::create(file, path, format, &content).expect("a table");
