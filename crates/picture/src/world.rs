@@ -204,15 +204,18 @@ impl<'a> World<'a> {
     fn loads(&mut self) {
         let (Some(map), Some(scale)) = (&self.scene.loads, &self.colouring.scale) else { return };
         let width = text_of(PANEL_STROKE * self.px, 6);
-        self.group(&format!("class=\"loads\" fill=\"none\" stroke-width=\"{width}\" stroke-linecap=\"butt\""), |world| {
-            // What nobody touches stays a wall.
-            let pressed = map.panels.iter().zip(&map.values.values).filter(|(_, value)| **value > 0.0);
-            for (ends, value) in pressed.filter(|(ends, _)| ends.iter().all(|end| near(*end))) {
-                *world.out += &format!("<path stroke=\"{}\" d=\"", scale.of(*value));
-                polyline(world.out, ends);
-                *world.out += &format!("\"><title>{value:.3}</title></path>\n");
-            }
-        });
+        self.group(
+            &format!("class=\"loads\" fill=\"none\" stroke-width=\"{width}\" stroke-linecap=\"butt\""),
+            |world| {
+                // What nobody touches stays a wall.
+                let pressed = map.panels.iter().zip(&map.values.values).filter(|(_, value)| **value > 0.0);
+                for (ends, value) in pressed.filter(|(ends, _)| ends.iter().all(|end| near(*end))) {
+                    *world.out += &format!("<path stroke=\"{}\" d=\"", scale.of(*value));
+                    polyline(world.out, ends);
+                    *world.out += &format!("\"><title>{value:.3}</title></path>\n");
+                }
+            },
+        );
     }
 
     fn marks(&mut self) {

@@ -130,7 +130,13 @@ impl<'a> Accumulators<'a> {
             None => false,
         };
         if kept {
-            self.frames.push(Frame { effects: Effects::default(), walls: None, panels: None, legs: None, ..frame });
+            self.frames.push(Frame {
+                effects: Effects::default(),
+                walls: None,
+                panels: None,
+                legs: None,
+                ..frame
+            });
         }
         Ok(holds)
     }

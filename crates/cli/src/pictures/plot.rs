@@ -14,8 +14,8 @@ use anyhow::{Context, Result, bail};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::PANEL_LENGTH;
 use lemons_picture::{
-    Chart, ChartPanel, ChartStyle, ColourMap, Curve, DENSITY_KERNEL, DensityMap, LoadMap, PictureScene, Style,
-    Values, chart_svg, pdf, png, sheet, svg, titled,
+    Chart, ChartPanel, ChartStyle, ColourMap, Curve, DENSITY_KERNEL, DensityMap, LoadMap, PictureScene,
+    Style, Values, chart_svg, pdf, png, sheet, svg, titled,
 };
 use lemons_results::Frame;
 use lemons_results::columns::Effect;
@@ -211,7 +211,12 @@ fn loads(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let (from, until) = arguments.times();
     let mut loads = LoadsOverTime::of(&run.trial.geometry);
     let frames = run.run.frames.iter().filter(|frame| within(frame.time, from, until));
-    let times: Vec<f64> = frames.map(|frame| { loads.add(frame); frame.time }).collect();
+    let times: Vec<f64> = frames
+        .map(|frame| {
+            loads.add(frame);
+            frame.time
+        })
+        .collect();
     let Some(&last) = times.last() else { bail!(nothing_between(&run.run, from, until)) };
     let Some(seen) = loads.finish() else {
         bail!("--walls: {}: the results do not contain the forces on walls", run.run.source.display());
@@ -220,7 +225,8 @@ fn loads(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let (mut scene, style_then) = scenes.at(last);
     let value = |load: &WallLoad| load.load_1.map_or(f64::NAN, |load| load / 1e3);
     let values = seen.panels.iter().map(|(_, load)| value(load)).collect();
-    let values = Values { map: ColourMap::FromPaper, ..Values::of(values, "greatest mean load over 1 s", "kN/m") };
+    let values =
+        Values { map: ColourMap::FromPaper, ..Values::of(values, "greatest mean load over 1 s", "kN/m") };
     let panels = seen.panels.iter().map(|(panel, _)| panel.ends()).collect();
     scene.loads = Some(LoadMap { panels, values });
     Ok(svg(&scene, &Style { time: Some(last), range: style.range, ..style_then }))
