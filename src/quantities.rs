@@ -3,8 +3,8 @@
 //!
 //! Names use the words of the XML formats. An array of agents has an element for each agent, in the
 //! order of Agents.xml; one of materials for each `<Material>` of Materials.xml; one of pairs for
-//! each two materials, a symmetric matrix; one of walls for each straight piece of a wall, in the
-//! order of Geometry.xml.
+//! each two materials, a symmetric matrix; one of walls for each straight piece of a wall, and one of
+//! barriers for each panel, in the order of Geometry.xml.
 
 use crate::engine::{BodyId, World};
 use lemons_core::plane::Vec2;
@@ -20,10 +20,11 @@ use uuid::Uuid;
 pub const MOST_MECHANICAL_STEPS: f64 = 1e9;
 
 /// The structural parameters.
-pub const SIZES: [Size; 3] = [
+pub const SIZES: [Size; 4] = [
     Size { name: "Agents", description: "number of agents" },
     Size { name: "Materials", description: "number of materials" },
     Size { name: "WallSegments", description: "number of straight pieces of walls; 1 without walls" },
+    Size { name: "Panels", description: "number of panels of walls; 1 without panels" },
 ];
 
 const ONE_VALUE: &[Dimension] = &[];
@@ -32,6 +33,7 @@ const VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Fixed(2)];
 const MATERIALS: &[Dimension] = &[Dimension::Size(1)];
 const PAIRS: &[Dimension] = &[Dimension::Size(1), Dimension::Size(1)];
 const WALLS: &[Dimension] = &[Dimension::Size(2)];
+const PANELS: &[Dimension] = &[Dimension::Size(3)];
 /// Where disks and faces are: on this contacts and overlaps depend at the start.
 const PLACES: &[CrowdQuantity] =
     &[CrowdQuantity::Trial, CrowdQuantity::Active, CrowdQuantity::Position, CrowdQuantity::Theta];
@@ -47,8 +49,9 @@ const FORCES: &[CrowdQuantity] = &[
     CrowdQuantity::ShearModulus,
     CrowdQuantity::GammaNormal,
 ];
-/// Beginning of the names of arrays of walls; in FMI 2.0 it is before the name.
+/// Beginnings of the names of arrays of walls and of panels; in FMI 2.0 they are before the name.
 const WALL: &str = "Wall";
+const BARRIER: &str = "Barrier";
 
 /// Makes the quantities: name, dimensions, type; role and description, by the methods of a [`Variable`]; and how an
 /// element is read from a running world, if it is there.
@@ -159,6 +162,12 @@ quantities! {
     WallPeakNormalForce: WALLS, Real(NORMAL_FORCE),
         .calculated("largest sum of |Fn| over its contacts with agents within the last step")
         .initially_on(FORCES), |world, k| world.face_exposures().get(k).map_or(0.0, |of| of.peak_force);
+    BarrierLoad: PANELS, Real(LINE_LOAD),
+        .calculated("time average of the sum of |Fn| over its contacts with agents over the last step, over its length")
+        .initially_on(FORCES), |world, k| world.panel_loads(k).0;
+    BarrierPeakLoad: PANELS, Real(LINE_LOAD),
+        .calculated("largest sum of |Fn| over its contacts with agents within the last step, over its length")
+        .initially_on(FORCES), |world, k| world.panel_loads(k).1;
     Mass: AGENTS, Real(MASS), .parameter(Positive, "mass");
     MomentOfInertia: AGENTS, Real(INERTIA), .parameter(Positive, "moment of inertia about the centre of mass");
     FloorDamping: AGENTS, Real(RATE), .parameter(NonNegative, "relaxation rate of the velocity, 1/t_transl");
@@ -189,7 +198,8 @@ impl CrowdQuantity {
 pub fn sizes(trial: &Trial) -> Vec<u64> {
     // FMI 3.0: no size is 0 in a model description.
     let segments = segments(trial).count().max(1);
-    vec![trial.agents.len() as u64, trial.materials.intrinsic.len() as u64, segments as u64]
+    let panels = trial.geometry.panels().count().max(1);
+    vec![trial.agents.len() as u64, trial.materials.intrinsic.len() as u64, segments as u64, panels as u64]
 }
 
 /// Returns the straight pieces of walls: the wall of each, and its place in it.
@@ -217,6 +227,15 @@ pub fn scalars(trial: &Trial) -> Vec<Scalar<CrowdQuantity>> {
         let of_piece = of(WALLS).flat_map(|row| row.scalars(k, "", &about));
         scalars.extend(of_piece.map(|scalar| Scalar {
             name: format!("wall[{k}].{}", scalar.name.trim_start_matches(WALL)),
+            ..scalar
+        }));
+    }
+    for (k, (wall, [start, end])) in trial.geometry.panels().enumerate() {
+        let middle = (start + end) * 0.5;
+        let about = format!("panel of wall Id {} about ({:.2}, {:.2}) m: ", wall.id, middle.x, middle.y);
+        let of_panel = of(PANELS).flat_map(|row| row.scalars(k, "", &about));
+        scalars.extend(of_panel.map(|scalar| Scalar {
+            name: format!("barrier[{k}].{}", scalar.name.trim_start_matches(BARRIER)),
             ..scalar
         }));
     }
@@ -251,11 +270,11 @@ pub fn guid(trial: &Trial) -> Uuid {
     lemons_fmi::guid(&scalars(trial))
 }
 
-/// Returns a token of the variables that the Trials of an FMI 2.0 FMU share: of all but those of walls. The FMU has
+/// Returns a token of the variables that the Trials of an FMI 2.0 FMU share: of all but those of walls and panels. The FMU has
 /// these of its first Trial; where another one has fewer walls, they are 0.
 pub fn shared(trial: &Trial) -> Uuid {
     let mut scalars = scalars(trial);
-    scalars.retain(|scalar| scalar.variable.dimensions != WALLS);
+    scalars.retain(|scalar| ![WALLS, PANELS].contains(&scalar.variable.dimensions));
     lemons_fmi::guid(&scalars)
 }
 

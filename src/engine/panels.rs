@@ -8,6 +8,8 @@ use lemons_core::trial::panel_count;
 pub(super) struct Panels {
     /// The first panel of each face, then the number of all; empty if no face has any.
     first: Vec<u32>,
+    /// \[m\] Length of each panel.
+    pub lengths: Vec<f64>,
 }
 
 impl Panels {
@@ -16,21 +18,21 @@ impl Panels {
         if longest.iter().all(Option::is_none) {
             return Panels::default();
         }
-        let count = |face: &Face| {
-            let longest = longest[face.wall.index()];
-            longest.map_or(0, |longest| panel_count((face.end - face.start).norm(), longest) as u32)
-        };
-        let mut first = vec![0];
-        first.extend(faces.iter().scan(0, |sum, face| {
-            *sum += count(face);
-            Some(*sum)
-        }));
-        Panels { first }
+        let (mut first, mut lengths) = (vec![0], Vec::new());
+        for face in faces {
+            if let Some(longest) = longest[face.wall.index()] {
+                let length = (face.end - face.start).norm();
+                let count = panel_count(length, longest);
+                lengths.resize(lengths.len() + count, length / count as f64);
+            }
+            first.push(lengths.len() as u32);
+        }
+        Panels { first, lengths }
     }
 
     /// Returns the number of all panels.
     pub fn count(&self) -> usize {
-        self.first.last().map_or(0, |count| *count as usize)
+        self.lengths.len()
     }
 
     /// Returns the panel of a face that is nearest to a place.

@@ -282,6 +282,13 @@ impl World {
         &self.exposures.panels
     }
 
+    /// \[N/m\] Returns mean and peak load of a panel, over its length; 0 if there is no such panel, or it has no length.
+    pub fn panel_loads(&self, panel: usize) -> (f64, f64) {
+        let seen = self.exposures.panels.get(panel).zip(self.scene.panels.lengths.get(panel));
+        let seen = seen.filter(|(_, length)| **length > 0.0);
+        seen.map_or((0.0, 0.0), |(of, length)| (of.mean_force / length, of.peak_force / length))
+    }
+
     /// Returns what the contacts did in the last communication step, to save it.
     pub fn all_exposures(&self) -> &Exposures {
         &self.exposures

@@ -246,6 +246,8 @@ pub mod types {
     pub const FORCE: RealType = of("force", "Force", NEWTON, Finite, 1e3);
     /// A magnitude of normal forces.
     pub const NORMAL_FORCE: RealType = of("normalForce", "Force", NEWTON, NonNegative, 1e3).displayed();
+    /// A force over the length of a wall.
+    pub const LINE_LOAD: RealType = of("lineLoad", "ForcePerLength", NEWTON_PER_METRE, Finite, 1e3);
     pub const TORQUE: RealType = of("torque", "Torque", NEWTON_METRE, Finite, 100.0);
     pub const MASS: RealType = of("mass", "Mass", KILOGRAM, Positive, 100.0);
     pub const INERTIA: RealType = of("inertia", "MomentOfInertia", KILOGRAM_METRE_SQUARED, Positive, 1.0);

@@ -27,11 +27,15 @@ struct Reader {
     values: ValueSelection,
     /// Means and peaks of the pieces of walls.
     walls: Option<[ValueSelection; 2]>,
+    /// The same of panels, and their lengths \[m\].
+    panels: Option<([ValueSelection; 2], Vec<f64>)>,
 }
 
 /// Parameters that are chosen before initialization.
 const STEP: &str = "TimeStepMechanical";
 const DIRECTORY: &str = "OutputDirectory";
+/// Outputs of each panel.
+const BARRIER_LOADS: [&str; 2] = ["Load", "PeakLoad"];
 /// Outputs of each straight piece of a wall.
 const WALL_FORCES: [&str; 2] = ["MeanNormalForce", "PeakNormalForce"];
 
@@ -157,15 +161,21 @@ impl Reader {
         };
         let variables = groups.variables(agents);
         let values = component.instance.select(variables.iter().map(|(name, _)| name))?;
-        let pieces = crowd.trial.as_ref().map(|trial| segments(trial).count());
-        let walls = pieces.unwrap_or(0);
-        let walls =
-            WALL_FORCES.map(|name| (0..walls).map(|k| format!("wall[{k}].{name}")).collect::<Vec<_>>());
-        let known = pieces.is_some() && walls.iter().flatten().all(|name| description.single(name).is_some());
-        let [means, peaks] = &walls;
-        let select = |names: &[String]| component.instance.select(names.iter());
-        let walls = known.then(|| Ok::<_, Error>([select(means)?, select(peaks)?])).transpose()?;
-        Ok((Reader { place, agents, groups, values, walls }, crowd))
+        let select = |count: usize, element: &str, outputs: [&str; 2]| {
+            let names =
+                outputs.map(|name| (0..count).map(|k| format!("{element}[{k}].{name}")).collect::<Vec<_>>());
+            let known = names.iter().flatten().all(|name| description.single(name).is_some());
+            let [means, peaks] = names.map(|names| component.instance.select(names.iter()));
+            known.then(|| Ok::<_, Error>([means?, peaks?])).transpose()
+        };
+        let (mut walls, mut panels) = (None, None);
+        if let Some(trial) = &crowd.trial {
+            walls = select(segments(trial).count(), "wall", WALL_FORCES)?;
+            let lengths: Vec<f64> =
+                trial.geometry.panels().map(|(_, [start, end])| (end - start).norm()).collect();
+            panels = select(lengths.len(), "barrier", BARRIER_LOADS)?.map(|values| (values, lengths));
+        }
+        Ok((Reader { place, agents, groups, values, walls, panels }, crowd))
     }
 
     fn frame(&self, system: &System) -> Result<Frame> {
@@ -173,17 +183,18 @@ impl Reader {
         let values = component.instance.values(&self.values)?;
         let frame = self.groups.frame_of_values(system.time, self.agents, &values);
         let mut frame = frame.map_err(|what| anyhow!("{}: {what}", component.name))?;
-        if let Some([means, peaks]) = &self.walls {
-            let (means, peaks) = (component.instance.values(means)?, component.instance.values(peaks)?);
-            let both = means.into_iter().zip(peaks);
-            frame.walls = Some(
-                both.map(|(mean_normal_force, peak_normal_force)| OfWall {
-                    mean_normal_force,
-                    peak_normal_force,
-                })
-                .collect(),
-            );
-        }
+        let forces = |[means, peaks]: &[ValueSelection; 2], length: &dyn Fn(usize) -> f64| {
+            let both = component.instance.values::<f64>(means)?.into_iter();
+            let both = both.zip(component.instance.values::<f64>(peaks)?).enumerate();
+            let of = |(k, (mean, peak)): (usize, (f64, f64))| OfWall {
+                mean_normal_force: mean * length(k),
+                peak_normal_force: peak * length(k),
+            };
+            Ok::<Vec<OfWall>, Error>(both.map(of).collect())
+        };
+        frame.walls = self.walls.as_ref().map(|walls| forces(walls, &|_| 1.0)).transpose()?;
+        let panels = self.panels.as_ref();
+        frame.panels = panels.map(|(panels, lengths)| forces(panels, &|k| lengths[k])).transpose()?;
         Ok(frame)
     }
 }

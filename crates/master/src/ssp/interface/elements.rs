@@ -4,7 +4,8 @@
 //! `fmi3GetVariableDependencies`. Elements of people have the names that they have in FMI 2.0, with indices from 0: an
 //! array whose first dimension is the structural parameter `Agents` has the elements `agent[i].Name`; with a second
 //! dimension of 2 they are `agent[i].Name.x` and `agent[i].Name.y`. In the same way an array `WallName` of the structural
-//! parameter `WallSegments` has the elements `wall[k].Name`. Where an array of people has the name that FMI 2.0 gives to
+//! parameter `WallSegments` has the elements `wall[k].Name`, and an array `BarrierName` of
+//! `Panels` has the elements `barrier[k].Name`. Where an array of people has the name that FMI 2.0 gives to
 //! a number of the whole crowd, this number is called `TotalName` in FMI 3.0, and `Name` here.
 
 use super::{ArrayDimension, FmuVariable, Interface, Single};
@@ -13,9 +14,10 @@ use crate::ssp::document::Causality;
 
 /// The structural parameter that is the number of people.
 const AGENTS: &str = "Agents";
-/// The one that is the number of straight pieces of walls, and what names of arrays of them begin with.
-const WALL_SEGMENTS: &str = "WallSegments";
-const WALL: &str = "Wall";
+/// Those that are the numbers of straight pieces of walls and of panels; what names of arrays of them begin with, and what
+/// elements are called.
+const OF_WALLS: [(&str, &str, &str); 2] =
+    [("WallSegments", "Wall", "wall"), ("Panels", "Barrier", "barrier")];
 const TOTAL: &str = "Total";
 const AXES: [&str; 2] = ["x", "y"];
 
@@ -62,9 +64,11 @@ impl Interface {
         }
         let indices = variable.indices(element);
         if !self.is_of_agents(variable) {
-            let of_wall = name.strip_prefix(WALL).filter(|_| self.is_of(WALL_SEGMENTS, variable));
-            return match (of_wall, &indices[..]) {
-                (Some(name), [segment]) => format!("wall[{}].{name}", segment - 1),
+            let of_walls = OF_WALLS.iter().find_map(|(size, begin, element)| {
+                Some((element, name.strip_prefix(begin).filter(|_| self.is_of(size, variable))?))
+            });
+            return match (of_walls, &indices[..]) {
+                (Some((element, name)), [place]) => format!("{element}[{}].{name}", place - 1),
                 _ => format!("{name}{}", written(&indices)),
             };
         }
@@ -92,7 +96,10 @@ impl Interface {
     /// Returns the value that a name means which is not that of a single variable: the one that has this name.
     pub(super) fn parsed(&self, name: &str) -> Option<Single<'_>> {
         let of = |kind: &str| name.strip_prefix(kind).and_then(|rest| rest.split_once("]."));
-        let wall = of("wall[").map(|(segment, inner)| (segment, format!("{WALL}{inner}")));
+        let wall = OF_WALLS.iter().find_map(|(_, begin, element)| {
+            let (place, inner) = of(&format!("{element}["))?;
+            Some((place, format!("{begin}{inner}")))
+        });
         let (agent, inner) = match (of("agent["), &wall) {
             (Some((agent, inner)), _) => (Some(agent), inner),
             (None, Some((segment, inner))) => (Some(*segment), &inner[..]),
