@@ -48,6 +48,8 @@ export function Exits({ decision, middle }: { decision: DecisionConfig; middle: 
             <BalanceChoice value={decision.balance} onChange={(balance) => setDecision({ ...decision, balance })} />
             <Check label={t("Limit how hard people push ahead")} value={decision.push !== null} onChange={(on) => setDecision({ ...decision, push: on ? 100 : null })} />
             {decision.push !== null && <NumberField label={t("Greatest push")} unit="N" value={decision.push} min={0} max={1e5} step={10} onChange={(push) => setDecision({ ...decision, push })} />}
+            <Check label={t("Who waits leans on who is in front")} value={decision.queue !== null} onChange={(on) => setDecision({ ...decision, queue: on ? { push: 100, push_time: 20 } : null })} />
+            {decision.queue !== null && <NumberField label={t("Force of leaning")} unit="N" value={decision.queue.push} min={0} max={500} step={10} onChange={(push) => setDecision({ ...decision, queue: { push, push_time: decision.queue!.push_time } })} />}
             <Check label={t("Some walk in groups, such as families")} value={decision.groups !== null} onChange={(on) => setDecision({ ...decision, groups: on ? { share: 0.5 } : null })} />
             {decision.groups !== null && <NumberField label={t("People in groups")} unit="%" value={Math.round(100 * decision.groups.share)} min={0} max={100} step={5} onChange={(percent) => setDecision({ ...decision, groups: { share: percent / 100 } })} />}
             <Check label={t("Not all start at once")} value={decision.start !== null} onChange={(on) => setDecision({ ...decision, start: on ? { min: 0, max: 30 } : null })} />

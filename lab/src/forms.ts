@@ -140,6 +140,8 @@ const decision = record({
     balance,
     /** In N: greatest force with which people push ahead; null for no limit. */
     push: nullable(number),
+    /** With which force in N who waits leans on who is in front, and after how many s it is another one; null for nobody. */
+    queue: (given) => nullable(record({ push: number, push_time: number }))(given ?? null),
     /** Part of the people who are in groups that stay together; null for nobody. */
     groups: nullable(record({ share: within(0, 1) })),
     /** In s: each starts to walk at a time between both, all as likely; null for at once. */

@@ -3,7 +3,7 @@
 import type { DecisionConfig, Motion, Place, Point, Rotational } from "./protocol";
 
 /** The model that `lemons crowd --leave` writes, and its speed. */
-export const FIRST_DECISION: DecisionConfig = { model: "rotational", rotational: null, balance: "none", push: null, groups: null, start: null, desired_speed: 1.34, seed: 1, exits: [], goals: [], agents: {} };
+export const FIRST_DECISION: DecisionConfig = { model: "rotational", rotational: null, balance: "none", push: null, queue: null, groups: null, start: null, desired_speed: 1.34, seed: 1, exits: [], goals: [], agents: {} };
 
 /** As crates/decision has them. */
 export const ROTATIONAL: Rotational = { time_gap: 0.9, standstill_gap: 0.09, reaction_time: 0, speed_noise: 0.15, acceleration: 4 };

@@ -22,6 +22,7 @@ fn pressed() -> Trial {
         (own.position, own.velocity) = (vec2(x, y), vec2(0.1 * i as f64, -0.1));
         own.omega = 0.2;
     }
+    trial.geometry.divide(0.3).unwrap();
     trial
 }
 
