@@ -24,7 +24,7 @@ pub const SIZES: [Size; 4] = [
     Size { name: "Agents", description: "number of agents" },
     Size { name: "Materials", description: "number of materials" },
     Size { name: "WallSegments", description: "number of straight pieces of walls; 1 without walls" },
-    Size { name: "Panels", description: "number of panels of walls; 1 without panels" },
+    Size { name: "Panels", description: "number of panels of walls" },
 ];
 
 const ONE_VALUE: &[Dimension] = &[];
@@ -198,7 +198,8 @@ impl CrowdQuantity {
 pub fn sizes(trial: &Trial) -> Vec<u64> {
     // FMI 3.0: no size is 0 in a model description.
     let segments = segments(trial).count().max(1);
-    let panels = trial.geometry.panels().count().max(1);
+    // Without panels there are no arrays of them.
+    let panels = trial.geometry.panels().count();
     vec![trial.agents.len() as u64, trial.materials.intrinsic.len() as u64, segments as u64, panels as u64]
 }
 

@@ -6,7 +6,7 @@ use crowd_mechanics::pack::FmuFormat;
 use crowd_mechanics::quantities::CrowdQuantity;
 use crowd_mechanics::{model_description::model_description, setup};
 use lemons_core::plane::vec2;
-use lemons_core::trial::{DriveTable, Trial};
+use lemons_core::trial::{DriveTable, PanelChoice, Trial};
 use lemons_fmi::Model as _;
 use lemons_fmi::testing::dependencies::{declared_pairs, moved};
 use lemons_fmi::variables::Known;
@@ -22,7 +22,7 @@ fn pressed() -> Trial {
         (own.position, own.velocity) = (vec2(x, y), vec2(0.1 * i as f64, -0.1));
         own.omega = 0.2;
     }
-    trial.geometry.divide(0.3).unwrap();
+    trial.geometry.divide(PanelChoice::Longest(0.3)).unwrap();
     trial
 }
 

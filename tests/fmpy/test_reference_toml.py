@@ -118,6 +118,7 @@ class DecisionReader(Reader):
         "A way-point": lambda file: file["waypoints"][0],
         "One of several ways": lambda file: file["ways"][0],
         "Groups": lambda file: file.setdefault("groups", {}),
+        "queue": lambda file: file.setdefault("queue", {}),
         "An exit or a goal": lambda file: file["exits"][0],
         "[agents.ID]": lambda file: file["agents"]["0"],
     }
@@ -137,6 +138,8 @@ class DecisionReader(Reader):
                 file[chooses] = table
         for exit in file["exits"] if (heading, key) == ("An exit or a goal", "share") else []:
             exit["share"] = 1
+        if key == "push_time":
+            file["queue"] = {"push": 100.0}
         if key == "push_sd":
             file["push"] = 100.0
         if heading == "One of several ways" or key == "ways":
@@ -185,6 +188,7 @@ class SweepReader(Reader):
         "In an area": {"area": "front", "number": "density", "take": "max"},
         "Squeeze": {"squeeze": "peak", "across": "max"},
         "Balance": {"balance": "falls", "across": "max"},
+        "Load": {"load": "load_step"},
     }
     NEEDED = {
         ("Of an output", "level"): {"take": "first_above", "across": "max"},

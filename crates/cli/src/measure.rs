@@ -18,7 +18,7 @@ use crate::record::{area, area_of_heads};
 use crate::run::until;
 use crate::values::{number, positive, seconds};
 use anyhow::{Context, Result, bail};
-use lemons_core::trial::{PANEL_LENGTH, Rule, Trial};
+use lemons_core::trial::{PanelChoice, Rule, Trial};
 use lemons_decision::Plan;
 use lemons_results::measure::{CountingLine, MeasuringArea, VoronoiRoom};
 use lemons_results::{LEANING, Record};
@@ -182,7 +182,8 @@ impl Arguments {
             bail!(Misused("--above: must be rising numbers of newtons, as in 1000,2000".into()));
         }
         self.source.end(self.until)?;
-        self.source.panel_length = self.walls.then(|| self.panel_length.unwrap_or(PANEL_LENGTH));
+        let panels = self.panel_length.map_or(PanelChoice::Missing, PanelChoice::Longest);
+        self.source.panels = self.walls.then_some(panels);
         if let (Some(from), Some(until)) = (self.from, self.until.and_then(Until::time))
             && from >= until
         {

@@ -22,7 +22,7 @@ pub use agents::{Agent, BODY_MASS_INDEX, ShapeElement};
 pub use documents::{FileNames, INTERACTIONS, Trial, output_names};
 pub use drive::{DRIVE_FILE, DriveChoice, DriveTable, DriveValues, EVER, half_sine, own_drive};
 pub use dynamics::{AgentDynamics, DynamicsElement, dynamics_xml};
-pub use geometry::{Geometry, PANEL_LENGTH, Wall, panel_count};
+pub use geometry::{Geometry, PanelChoice, Wall, panel_count};
 pub use interactions::{AgentInteraction, ContactForce, Interactions, WallInteraction, interactions_xml};
 pub use materials::{ContactCoefficients, Material, Materials, pairs_that_touch, stiffness};
 pub use opening::OpeningTimes;

@@ -98,9 +98,9 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Returns whether its people queue with gaps, and hardly press, whatever the limits of pushes are.
+    /// Returns whether its people queue with gaps without leaning, and hardly press, whatever the limits of pushes are.
     pub fn queues(&self) -> bool {
-        matches!(self.walking_model, WalkingModel::Rotational(_))
+        matches!(self.walking_model, WalkingModel::Rotational(_)) && self.queue.is_none()
     }
 
     /// Makes a plan from a `decision.toml` for the people of a Trial, among its walls. Ways lead through walls that open. People stop

@@ -90,10 +90,19 @@ const UNKNOWNS: [(&str, IsWanted, Known); 2] = [
     ("InitialUnknown", |role| matches!(role, Role::Calculated | Role::CalculatedParameter), Known::Starts),
 ];
 
+/// Returns the arrays that what is loaded has: all but those of a size of 0.
+pub(crate) fn present<M: Model>(model: &M) -> impl Iterator<Item = &'static Variable<M::Quantity>> {
+    let sizes: Vec<u64> = (0..M::SIZES.len()).map(|place| model.size(place)).collect();
+    let absent =
+        move |dimension: &Dimension| matches!(dimension, Dimension::Size(place) if sizes[*place] == 0);
+    M::VARIABLES.iter().filter(move |variable| !variable.dimensions.iter().any(&absent))
+}
+
 fn of_arrays<M: Model>(model: &mut M, packed: &[Packed]) -> Answer<String> {
     let sizes: Vec<u64> = (0..M::SIZES.len()).map(|place| model.size(place)).collect();
-    let mut starts = Vec::with_capacity(M::VARIABLES.len());
-    for variable in M::VARIABLES {
+    let variables: Vec<&Variable<M::Quantity>> = present(model).collect();
+    let mut starts = Vec::with_capacity(variables.len());
+    for variable in &variables {
         let length = variable.dimensions.iter().map(|dimension| match *dimension {
             Dimension::Size(place) => sizes[place],
             Dimension::Fixed(size) => size,
@@ -105,7 +114,9 @@ fn of_arrays<M: Model>(model: &mut M, packed: &[Packed]) -> Answer<String> {
     Ok(document(model, Version::V3, identity, "structured", |out| {
         out.element("ModelVariables", &[], |out| {
             write_time(out);
-            for (place, (size, value)) in M::SIZES.iter().zip(&sizes).enumerate() {
+            for (place, (size, value)) in
+                M::SIZES.iter().zip(&sizes).enumerate().filter(|(_, (_, value))| **value > 0)
+            {
                 let bounds = bounds(Domain::Size, BaseType::Size);
                 let (reference, value) = ((place + 1).to_string(), value.to_string());
                 let mut attributes = vec![
@@ -119,13 +130,13 @@ fn of_arrays<M: Model>(model: &mut M, packed: &[Packed]) -> Answer<String> {
                 attributes.push(("start", &*value));
                 out.empty("UInt64", &attributes);
             }
-            for (variable, start) in M::VARIABLES.iter().zip(&starts) {
+            for (variable, start) in variables.iter().zip(&starts) {
                 write_array::<M>(out, variable, start.as_deref());
             }
         });
         out.element("ModelStructure", &[], |out| {
             for (name, is_wanted, known) in UNKNOWNS {
-                for variable in M::VARIABLES.iter().filter(|variable| is_wanted(variable.role)) {
+                for variable in variables.iter().filter(|variable| is_wanted(variable.role)) {
                     // Here variables count, not their elements.
                     let on = model.dependencies(variable.quantity, known).variables();
                     let on: BTreeSet<u32> = on.into_iter().filter_map(reference::<M>).collect();

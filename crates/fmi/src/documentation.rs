@@ -1,6 +1,7 @@
 //! The table of a model as HTML.
 
 use crate::Version;
+use crate::description::present;
 use crate::model::{Model, guid, instantiation_token};
 use crate::variables::{Dimension, Role, Variable, VariableType};
 use lemons_core::xml::escaped;
@@ -51,5 +52,5 @@ fn rows_html<M: Model>(model: &M, version: Version) -> String {
         let description = escaped(variable.description);
         Some(format!("<tr><td>{name}</td><td>{kind}</td><td>{unit}</td><td>{description}</td></tr>\n"))
     };
-    M::VARIABLES.iter().filter_map(row).collect()
+    present(model).filter_map(row).collect()
 }

@@ -111,7 +111,7 @@ pub trait Model: Sized + Send {
     fn load(location: Location<'_>) -> Answer<Self>;
 
     /// Returns the value of the structural parameter at a place of [`Model::SIZES`] for what is
-    /// loaded.
+    /// loaded. Where it is 0, there are no arrays of this size, and the description has none.
     fn size(&self, place: usize) -> u64;
 
     /// Returns the variables of FMI 2.0 for what is loaded. An instance has those of what is loaded first.

@@ -4,7 +4,7 @@ use crate::error::{ErrorPlace, MasterError, Result, require};
 use crate::saved::SavedRun;
 use crate::trial_input::DecisionChoice;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
-use lemons_core::trial::{DriveChoice, DriveTable};
+use lemons_core::trial::{DriveChoice, DriveTable, PanelChoice};
 use lemons_sim::{Algorithm, Clock, lint};
 use std::path::{Path, PathBuf};
 
@@ -33,8 +33,8 @@ pub struct RunSettings {
     pub drive: DriveChoice,
     /// Where a Trial's people walk: then the input is coupled like an SSP of the components `decision` and `crowd`.
     pub decision: DecisionChoice,
-    /// \[m\] Length of the longest panel of the walls of a Trial that have none, for loads.
-    pub panel_length: Option<f64>,
+    /// Further panels of a Trial's walls, for loads.
+    pub panels: Option<PanelChoice>,
     /// How coupled components exchange values.
     pub algorithm: Algorithm,
     /// A saved run, which goes on. It contains the parameters and the number of threads.

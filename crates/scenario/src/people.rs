@@ -8,6 +8,7 @@ use lemons_core::files::input;
 use lemons_core::files::source::FileSource;
 use lemons_core::message::message;
 use lemons_core::plane::{Pose, Vec2};
+use lemons_core::trial::PanelChoice;
 use lemons_decision::Plan;
 use lemons_people::placing::{
     Ended, FreeSpace, Method, Orientation, Packing, PlacingSettings, Watch, within_area,
@@ -364,7 +365,8 @@ impl Ready<'_> {
         let placed: Vec<(CrowdMember, Pose)> = agents.iter().cloned().zip(poses).collect();
         let mut geometry = place.geometry.clone();
         if let Some(longest) = scenario.panel_length {
-            geometry.divide(longest).map_err(|why| impossible(format!("`panel_length`: {why}")))?;
+            let panels = PanelChoice::Longest(longest);
+            geometry.divide(panels).map_err(|why| impossible(format!("`panel_length`: {why}")))?;
         }
         let mut trial = crowd_trial(name, &placed, geometry, &scenario.settings())?;
         if scenario.round {

@@ -7,7 +7,7 @@ use crate::measure::MeasureKind;
 use crate::models::Models;
 use crate::points::Points;
 use crate::spec::Spec;
-use lemons_core::trial::{PANEL_LENGTH, Problems, Trial};
+use lemons_core::trial::{PanelChoice, Problems, Trial};
 use lemons_master::{documents_of, require};
 use lemons_results::Frame;
 use lemons_results::measure::Over;
@@ -175,7 +175,7 @@ impl LoadedModel {
         let end = end.map_err(|nobody| SweepError::Spec(format!("until = \"left\": {nobody}")))?;
         let identity = identity::of_documents(&documents, spec.algorithm, clock.step)?;
         if spec.measures.iter().any(|(_, measure)| matches!(measure.kind, MeasureKind::Load(_))) {
-            documents.trial.geometry.divide(PANEL_LENGTH).place(|| path.display().to_string())?;
+            documents.trial.geometry.divide(PanelChoice::Missing).place(|| path.display().to_string())?;
         }
         let trial = documents.trial.clone();
         let simulation = Simulation::new(documents, spec.algorithm)?;

@@ -12,7 +12,7 @@ use crate::run::until;
 use crate::values::{seconds, within as number_within};
 use anyhow::{Context, Result, bail};
 use lemons_core::plane::Vec2;
-use lemons_core::trial::PANEL_LENGTH;
+use lemons_core::trial::PanelChoice;
 use lemons_picture::{
     Chart, ChartPanel, ChartStyle, ColourMap, Curve, DENSITY_KERNEL, DensityMap, LoadMap, PictureScene,
     Style, Values, chart_svg, pdf, png, sheet, svg, titled,
@@ -94,7 +94,7 @@ impl Arguments {
     /// Checks that the options belong together.
     fn check(&mut self) -> Result<()> {
         PictureFormat::of(&self.output)?;
-        self.source.panel_length = self.walls.then_some(PANEL_LENGTH);
+        self.source.panels = self.walls.then_some(PanelChoice::Missing);
         if self.at.iter().any(|time| !(*time >= 0.0 && time.is_finite())) {
             bail!(Misused("--at: times are numbers of seconds, not below 0".into()));
         }

@@ -9,7 +9,7 @@ use crate::trajectories::TrajectoryArguments;
 use anyhow::{Context, Error, Result, bail};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::plane::Motion;
-use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
+use lemons_core::trial::{AgentDynamics, DriveTable, PanelChoice, Trial};
 use lemons_decision::Plan;
 use lemons_master::{DecisionChoice, RunSettings, TrialInput, plan_of};
 pub use lemons_results::KeptFrames;
@@ -41,9 +41,9 @@ pub struct RunSource {
     settings: Vec<(String, String)>,
     #[command(flatten)]
     others: TrajectoryArguments,
-    /// \[m\] Length of the longest panel of a Trial's walls that have none.
+    /// Further panels of a Trial's walls.
     #[arg(skip)]
-    pub panel_length: Option<f64>,
+    pub panels: Option<PanelChoice>,
     /// The run itself; the path is what messages call it.
     #[arg(skip)]
     memory: Option<Arc<InMemory>>,
@@ -144,8 +144,8 @@ impl RunSource {
             }
             *trial = edited.trial().clone();
             // An FMU has the panels that it was packed with.
-            if let Some(longest) = self.panel_length.filter(|_| !self.ends_in("fmu")) {
-                trial.geometry.divide(longest).map_err(Error::msg)?;
+            if let Some(panels) = self.panels.filter(|_| !self.ends_in("fmu")) {
+                trial.geometry.divide(panels).map_err(Error::msg)?;
             }
         }
         let found = match (runs, until, &trial) {
@@ -251,7 +251,7 @@ impl RunSource {
         let settings = RunSettings {
             until: Some(until.latest()),
             parameters: self.settings.clone(),
-            panel_length: self.panel_length,
+            panels: self.panels,
             ..self.inputs.settings(&self.path)
         };
         let rows = RowTarget::Memory(wanted);

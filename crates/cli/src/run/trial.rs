@@ -82,8 +82,8 @@ impl RecordedModel for TrialRun {
 pub fn prepare(given: &TrialInput, settings: &RunSettings) -> Result<PreparedRun> {
     let saved = settings.saved()?;
     let (mut documents, mut problems, decision) = given.documents(&settings.drive, &settings.decision)?;
-    if let Some(longest) = settings.panel_length {
-        documents.trial.geometry.divide(longest).map_err(Error::msg)?;
+    if let Some(panels) = settings.panels {
+        documents.trial.geometry.divide(panels).map_err(Error::msg)?;
     }
     let files = Files::chosen(given.path(), &settings.drive, decision.as_deref());
     problems.extend(lint::of_documents(&documents, &files));

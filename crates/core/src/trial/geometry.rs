@@ -33,12 +33,17 @@ impl Geometry {
         self.walls.iter().filter(|wall| wall.open.is_none())
     }
 
-    /// Gives panels to the walls that have none; `longest` \[m\] is the length of the longest of them.
+    /// Divides walls into panels.
     ///
     /// # Errors
     /// A sentence: there would be too many.
-    pub fn divide(&mut self, longest: f64) -> Result<(), String> {
-        self.walls.iter_mut().for_each(|wall| wall.panel_length = wall.panel_length.or(Some(longest)));
+    pub fn divide(&mut self, panels: PanelChoice) -> Result<(), String> {
+        let longest = match panels {
+            PanelChoice::Missing => PANEL_LENGTH,
+            PanelChoice::Longest(longest) => longest,
+        };
+        let stays = |wall: &Wall| panels == PanelChoice::Missing && wall.panel_length.is_some();
+        self.walls.iter_mut().filter(|wall| !stays(wall)).for_each(|wall| wall.panel_length = Some(longest));
         let count = self.walls.iter().flat_map(Wall::panel_counts).fold(0, usize::saturating_add);
         require(count <= MOST_PANELS, || {
             format!(
@@ -88,7 +93,9 @@ impl Wall {
     /// outputs.
     pub fn panels(&self) -> impl Iterator<Item = [Vec2; 2]> {
         self.sides().zip(self.panel_counts()).flat_map(|([start, end], count)| {
-            let at = move |k: usize| start + (end - start) * (k as f64 / count as f64);
+            let part = move |k: usize| start + (end - start) * (k as f64 / count as f64);
+            // The last one ends at the corner, without rounding.
+            let at = move |k: usize| if k == count { end } else { part(k) };
             (0..count).map(move |k| [at(k), at(k + 1)])
         })
     }
@@ -106,8 +113,17 @@ impl Wall {
     }
 }
 
+/// Walls that are divided into panels, and how.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PanelChoice {
+    /// Those without panels, into some of at most 0.5 m.
+    Missing,
+    /// All, into panels of at most so many metres.
+    Longest(f64),
+}
+
 /// \[m\] Length of the longest panel, if nobody says it.
-pub const PANEL_LENGTH: f64 = 0.5;
+const PANEL_LENGTH: f64 = 0.5;
 /// Most panels of a Trial.
 const MOST_PANELS: usize = 20_000;
 

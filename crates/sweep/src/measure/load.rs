@@ -6,8 +6,7 @@ use lemons_core::trial::Geometry;
 use lemons_results::measure::{LoadsOverTime, WallLoad};
 use serde::Deserialize;
 
-/// A measure of the loads on walls, which have panels of at most [`PANEL_LENGTH`](lemons_core::trial::PANEL_LENGTH) where
-/// the Trial does not say it.
+/// A measure of the loads on walls, which have the usual panels where the Trial does not say it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LoadMeasure {
