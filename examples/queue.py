@@ -27,7 +27,7 @@ PUSHES = [0, 50, 100, 150, 200, 350]
 GATE = """\
 box = [12.0, 6.0]
 doors = [[12.0, 3.0, 2.0, 900.0, 1000.0]]
-number = 150
+number = {people}
 leave = true
 friction = 0.1
 time_step = 0.02
@@ -64,6 +64,7 @@ OTHERS = {
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("target", metavar="DIR", type=Path, help="directory for scenarios and results")
 parser.add_argument("--seeds", type=int, default=3)
+parser.add_argument("--people", type=int, default=150)
 
 
 def lemons(*words):
@@ -86,9 +87,9 @@ def cells(row):
     return [f"{row[f'{name}_mean'] * by:.2f} ± {(row[f'{name}_high'] - row[f'{name}_mean']) * by:.2f}" for name, by in of.items()]
 
 
-def profile(target, push):
+def profile(target, push, people):
     """Returns the mean squeeze by others [N] in each metre from the gate, from 20 to 40 s of the first seed."""
-    (target / "one.toml").write_text(GATE.format(model="rotational", queue=f"{{ push = {push:.1f} }}"))
+    (target / "one.toml").write_text(GATE.format(people=people, model="rotational", queue=f"{{ push = {push:.1f} }}"))
     lemons("crowd", "--scenario", target / "one.toml", "-o", target / "one", "--force")
     lemons("run", target / "one", "--until", 40, "--every", 50, "-o", target / "one.csv", "--force")
     rows = pd.read_csv(target / "one.csv").query("t >= 20")
@@ -100,22 +101,22 @@ def profile(target, push):
 def main():
     """Makes the tables."""
     arguments = parser.parse_args()
-    target, seeds = arguments.target, arguments.seeds
+    target, seeds, people = arguments.target, arguments.seeds, arguments.people
     target.mkdir(parents=True, exist_ok=True)
     head = f"{'':<24}{'gate':>14}{'its worst panel':>18}{'front':>14}{'middle':>14}"
     print(f"{seeds} seeds: load on the gate (kN/m) and densities (per m²), with 95 % intervals\n{head}")
-    scenario = GATE.format(model="rotational", queue="{ push = 0.0 }")
+    scenario = GATE.format(people=people, model="rotational", queue="{ push = 0.0 }")
     table = sweep(target, "gate", scenario, f'"population.decision.queue.push" = {PUSHES}', seeds)
     for _, row in table.iterrows():
         print(f"{row['population.decision.queue.push']:>5.0f} N{'':<17}" + "".join(f"{cell:>15}" for cell in cells(row)))
-    straight = sweep(target, "straight", GATE.format(model="straight", queue="{ push = 0.0 }"), "", seeds)
+    straight = sweep(target, "straight", GATE.format(people=people, model="straight", queue="{ push = 0.0 }"), "", seeds)
     print(f"{'straight, without':<23}" + "".join(f"{cell:>15}" for cell in cells(straight.iloc[0])))
     for k, (name, queue) in enumerate(OTHERS.items()):
-        seen = sweep(target, f"other_{k}", GATE.format(model="rotational", queue=queue), "", seeds)
+        seen = sweep(target, f"other_{k}", GATE.format(people=people, model="rotational", queue=queue), "", seeds)
         print(f"{name:<23}" + "".join(f"{cell:>15}" for cell in cells(seen.iloc[0])))
     print("\nmean squeeze by others (N), by the distance from the gate (one seed)\n" + " " * 8 + "".join(f"{f'{k} to {k + 1} m':>10}" for k in range(5)))
     for push in PUSHES:
-        print(f"{push:>5} N " + "".join(f"{value:>10.0f}" for value in profile(target, push)))
+        print(f"{push:>5} N " + "".join(f"{value:>10.0f}" for value in profile(target, push, people)))
 
 
 if __name__ == "__main__":

@@ -21,10 +21,10 @@ pub const MOST_MECHANICAL_STEPS: f64 = 1e9;
 
 /// The structural parameters.
 pub const SIZES: [Size; 4] = [
-    Size { name: "Agents", description: "number of agents" },
-    Size { name: "Materials", description: "number of materials" },
-    Size { name: "WallSegments", description: "number of straight pieces of walls; 1 without walls" },
-    Size { name: "Panels", description: "number of panels of walls" },
+    Size::new("Agents", "number of agents"),
+    Size::new("Materials", "number of materials"),
+    Size::new("WallSegments", "number of straight pieces of walls; 1 without walls"),
+    Size { optional: true, ..Size::new("Panels", "number of panels of walls") },
 ];
 
 const ONE_VALUE: &[Dimension] = &[];

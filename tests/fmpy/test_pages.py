@@ -111,6 +111,12 @@ FILES = {
         {},
     ),
     ("docs/walking.md", "exits = ["): ("times.toml", "", "lemons run two_doors --decision times.toml --until 0.1 -o times.csv", {}),
+    ("docs/walking.md", "[queue]"): (
+        "queue.toml",
+        "",
+        "lemons run two_doors --decision queue.toml --until 0.1 -o queue.csv",
+        {"[queue]": "waypoints = [{ x = 1.0, y = 1.0 }]\n[queue]"},
+    ),
     ("docs/walking.md", "ways = ["): ("stairs.toml", "", "lemons run two_doors --decision stairs.toml --until 0.1 -o stairs.csv", {}),
     ("docs/walking.md", 'groups = { members = [["0", "1"], ["4", "5", "6"]], share = 0.5 }'): (
         "families.toml",

@@ -1,9 +1,13 @@
 """Queues that push: what the gate gets is what people give, by closed forms."""
 
 import json
+import os
+import re
 import subprocess
+import sys
 
 import pytest
+from crowd import REPOSITORY
 
 #: A row of round people who look along x, and a wall before them: the room's right side.
 ROW = """\
@@ -40,3 +44,14 @@ def test_a_row_presses_with_the_sum_of_its_pushes(lemons, tmp_path, people, push
     damping = float(trial.split("FloorDamping=")[1].split('"')[1])
     expected = people * push if push else sum(own) * damping
     assert force == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.long
+def test_a_gate_gets_more_the_harder_a_queue_pushes(lemons, tmp_path):
+    """The study of docs/walking.md with fewer people: loads rise up to what feet hold, without a push they are those of today."""
+    command = [sys.executable, REPOSITORY / "examples/queue.py", tmp_path / "queue", "--seeds", "2", "--people", "40"]
+    done = subprocess.run(command, env={**os.environ, "LEMONS": str(lemons)}, check=True, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=900)
+    loads = [float(row) for row in re.findall(r"^ +\d+ N +([\d.]+) ±", done.stdout, re.MULTILINE)]
+    assert len(loads) == 6 and loads[0] < loads[1] < loads[2] < loads[3] and loads[0] < 0.3 * loads[3]
+    near = [[float(number) for number in row] for row in re.findall(r"^ +\d+ N +(\d+) +(\d+) ", done.stdout, re.MULTILINE)]
+    assert len(near) == 6 and all(first > second for first, second in near)

@@ -207,7 +207,7 @@ fn document<M: Model>(
     ];
     XmlWriter::document(Layout::STANDARD, "fmiModelDescription", &root, |out| {
         out.empty("CoSimulation", &co_simulation::<M>(version));
-        let types = types_of::<M>();
+        let types = types_of(model);
         out.element("UnitDefinitions", &[], |out| write_units(out, version, &types));
         out.element("TypeDefinitions", &[], |out| types.iter().for_each(|of| write_type(out, version, of)));
         out.element("LogCategories", &[], |out| {
@@ -244,9 +244,9 @@ fn co_simulation<M: Model>(version: Version) -> Vec<(&'static str, &'static str)
 }
 
 /// Returns the types of variables, in the order of their first use.
-fn types_of<M: Model>() -> Vec<RealType> {
+fn types_of<M: Model>(model: &M) -> Vec<RealType> {
     let mut types: Vec<RealType> = Vec::new();
-    for variable in M::VARIABLES {
+    for variable in present(model) {
         if let VariableType::Real(of) = variable.kind
             && !types.contains(&of)
         {

@@ -313,6 +313,15 @@ pub struct Size {
     pub name: &'static str,
     /// Description for users.
     pub description: &'static str,
+    /// Whether it may be 0: then there are no arrays of this size.
+    pub optional: bool,
+}
+
+impl Size {
+    /// Makes a size of at least 1.
+    pub const fn new(name: &'static str, description: &'static str) -> Size {
+        Size { name, description, optional: false }
+    }
 }
 
 /// A dimension of an array.

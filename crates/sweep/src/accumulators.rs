@@ -42,7 +42,7 @@ enum Accumulator<'a> {
     /// And the places of the agents that count.
     Squeeze(&'a SqueezeMeasure, SqueezeOverTime),
     Balance(&'a BalanceMeasure, Vec<usize>, BalanceOverTime),
-    Load(&'a LoadMeasure, LoadsOverTime),
+    Load(&'a LoadMeasure, Box<LoadsOverTime>),
 }
 
 impl<'a> Accumulators<'a> {
@@ -80,7 +80,7 @@ impl<'a> Accumulators<'a> {
                 MeasureKind::Balance(of) => {
                     Accumulator::Balance(of, agents(&of.agents, of.across)?, BalanceOverTime::of(people))
                 }
-                MeasureKind::Load(of) => Accumulator::Load(of, of.begin(&trial.geometry)?),
+                MeasureKind::Load(of) => Accumulator::Load(of, Box::new(of.begin(&trial.geometry)?)),
             })
         };
         let of_each = spec
@@ -160,7 +160,7 @@ impl<'a> Accumulators<'a> {
             Accumulator::Area(of, _, seen) => of.value(seen.iter()),
             Accumulator::Squeeze(of, exposure) => of.value(&exposure),
             Accumulator::Balance(of, agents, balance) => of.value(&agents, balance),
-            Accumulator::Load(of, loads) => of.value(loads),
+            Accumulator::Load(of, loads) => of.value(*loads),
         });
         Ok(values.collect())
     }

@@ -47,8 +47,8 @@ pub enum DecisionQuantity {
 
 /// The structural parameters.
 pub(super) const SIZES: [Size; 2] = [
-    Size { name: "Agents", description: "number of agents" },
-    Size { name: "Waypoints", description: "largest number of way-points of an agent" },
+    Size::new("Agents", "number of agents"),
+    Size::new("Waypoints", "largest number of way-points of an agent"),
 ];
 
 const AGENTS: &[Dimension] = &[Dimension::Size(0)];

@@ -5,7 +5,7 @@ use crate::Version;
 use crate::answer::{Answer, damaged, refuse};
 use crate::lifecycle::{Function, Phase, allowed};
 use crate::model::Model;
-use crate::variables::MOST;
+use crate::variables::{MOST, Size};
 use serde::{Deserialize, Serialize};
 
 const MAGIC: &[u8; 8] = b"LEMONSst";
@@ -58,7 +58,8 @@ impl<M: Model> Slave<M> {
             return damaged("a phase that is not possible");
         }
         let sizes = &snapshot.sizes;
-        if sizes.len() != self.sizes.len() || sizes.iter().any(|size| *size > MOST) {
+        let possible = |(size, of): (&u64, &Size)| *size <= MOST && (*size > 0 || of.optional);
+        if sizes.len() != self.sizes.len() || !sizes.iter().zip(M::SIZES).all(possible) {
             return damaged("sizes that are not possible");
         }
         self.model.restore(&snapshot.model)?;
