@@ -4,7 +4,7 @@
 //! - [`xml`]: XML, parsed safely and written
 //! - [`trial`]: the documents of a Trial
 //! - [`distribution`]: distributions of one number, the same draws on every machine
-//! - [`message`]: sentences with values; [`rule`]: rules by which documents are examined
+//! - [`mod@message`]: sentences with values; [`rule`]: rules by which documents are examined
 //! - [`files`]: files read with limits, written whole or not at all
 
 pub mod distribution;
