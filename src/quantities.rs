@@ -199,7 +199,7 @@ pub fn sizes(trial: &Trial) -> Vec<u64> {
     // FMI 3.0: no size is 0 in a model description.
     let segments = segments(trial).count().max(1);
     // Without panels there are no arrays of them.
-    let panels = trial.geometry.panels().count();
+    let panels = trial.geometry.panel_count();
     vec![trial.agents.len() as u64, trial.materials.intrinsic.len() as u64, segments as u64, panels as u64]
 }
 

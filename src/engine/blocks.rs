@@ -250,9 +250,12 @@ impl Blocks {
         for contact in &contacts.contacts {
             let Pair::Face { disk, face, .. } = contact.pair else { continue };
             faces[face.index()] += contact.normal_force.abs();
+            if panels.is_empty() {
+                continue;
+            }
             let ContactDisk { body, offset, .. } = scene.disks[disk.index()];
             let centre = self.kinematics[body.index()].centre(offset);
-            if let Some(panel) = scene.panels.nearest(&scene.faces, face, centre) {
+            if let Some(panel) = scene.panels.nearest(face, centre) {
                 panels[panel.index()] += contact.normal_force.abs();
             }
         }

@@ -309,8 +309,7 @@ impl Instant<'_> {
     ) {
         let (scene, body) = (self.scene, self.scene.body_of(pairs[0].disk));
         let disk = self.circle(&pairs[0]);
-        let on_wall =
-            |face| Other::Wall(OnWall { face, panel: scene.panels.nearest(&scene.faces, face, disk.centre) });
+        let on_wall = |face| Other::Wall(OnWall { face, panel: scene.panels.nearest(face, disk.centre) });
         walls.find(scene, pairs, disk, self.kinematics[body.index()].position);
         for contact in walls.found().iter().filter(|contact| contact.overlap.depth > 0.0) {
             let k = contact.place;

@@ -173,6 +173,7 @@ impl FaceSum {
     /// within the mechanical step in which its contact begins or ends: so panels add up to their face.
     pub fn share(&self, duration: f64, end: f64) -> FaceExposure {
         let mean_force = if duration > 0.0 { self.impulse / duration } else { end };
+        let mean_force = mean_force.clamp(-f64::MAX, f64::MAX);
         FaceExposure { mean_force, ..self.exposure(duration, end) }
     }
 }

@@ -1,33 +1,41 @@
-//! Panels: the parts of faces for which loads are summed up. They change nothing in the mechanics.
+//! Panels: the parts of walls for which loads are summed up. They change nothing in the mechanics.
 
-use super::{Face, FaceId, PanelId, Vec2};
-use lemons_core::trial::panel_count;
+use super::{FaceId, PanelId, Vec2};
+use lemons_core::trial::Stretch;
+use std::ops::Range;
 
-/// The panels of the faces: none, or some of equal length, from the start of the face to its end.
+/// The panels of the faces: equal parts of the straight stretches to which faces belong.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Panels {
-    /// The first panel of each face, then the number of all; empty if no face has any.
-    first: Vec<u32>,
+    /// For each face the stretch, if its wall has panels; empty if no wall has any.
+    stretches: Vec<Option<DividedStretch>>,
     /// \[m\] Length of each panel.
     pub lengths: Vec<f64>,
 }
 
+/// A straight stretch of a wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct DividedStretch {
+    first: u32,
+    count: u32,
+    /// \[m\]
+    start: Vec2,
+    end: Vec2,
+}
+
 impl Panels {
-    /// Divides the faces of some walls. `longest` \[m\] is the length of the longest panel of each wall, if it has some.
-    pub fn new(faces: &[Face], longest: &[Option<f64>]) -> Panels {
-        if longest.iter().all(Option::is_none) {
-            return Panels::default();
-        }
-        let (mut first, mut lengths) = (vec![0], Vec::new());
-        for face in faces {
-            if let Some(longest) = longest[face.wall.index()] {
-                let length = (face.end - face.start).norm();
-                let count = panel_count(length, longest);
-                lengths.resize(lengths.len() + count, length / count as f64);
+    /// Divides walls, each with the faces of its sides, into the panels of these stretches.
+    pub fn new<'a>(faces: usize, walls: impl Iterator<Item = (&'a Range<usize>, Vec<Stretch>)>) -> Panels {
+        let mut panels = Panels { stretches: vec![None; faces], lengths: Vec::new() };
+        for (own, stretches) in walls {
+            for Stretch { ends: [start, end], sides, panels: count } in stretches {
+                let first = panels.lengths.len();
+                panels.lengths.resize(first + count, (end - start).norm() / count as f64);
+                let stretch = DividedStretch { first: first as u32, count: count as u32, start, end };
+                panels.stretches[own.start + sides.start..own.start + sides.end].fill(Some(stretch));
             }
-            first.push(lengths.len() as u32);
         }
-        Panels { first, lengths }
+        if panels.lengths.is_empty() { Panels::default() } else { panels }
     }
 
     /// Returns the number of all panels.
@@ -35,18 +43,13 @@ impl Panels {
         self.lengths.len()
     }
 
-    /// Returns the panel of a face that is nearest to a place.
+    /// Returns the panel that is nearest to a place \[m\], on the stretch of a face.
     #[inline]
-    pub fn nearest(&self, faces: &[Face], face: FaceId, place: Vec2) -> Option<PanelId> {
-        let k = face.index();
-        let (first, next) = (*self.first.get(k)?, *self.first.get(k + 1)?);
-        let last = next.checked_sub(first + 1)?;
-        let Face { start, end, .. } = faces[k];
+    pub fn nearest(&self, face: FaceId, place: Vec2) -> Option<PanelId> {
+        let DividedStretch { first, count, start, end } = (*self.stretches.get(face.index())?)?;
         let along = end - start;
-        // A face without length has one panel, and no share.
         let share = (place - start).dot(&along) / along.norm_squared();
         // A cast takes what is below zero to zero.
-        let panel = (share * f64::from(last + 1)) as u32;
-        Some(PanelId(first + panel.min(last)))
+        Some(PanelId(first + ((share * f64::from(count)) as u32).min(count - 1)))
     }
 }

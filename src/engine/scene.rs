@@ -6,6 +6,7 @@ use super::face_grid::FaceGrid;
 use super::panels::Panels;
 use super::{BodyId, CornerId, DiskId, FaceId, InPlane, LineId, Vec2, WallId, rotation};
 use lemons_core::plane::{shown_orientation, vec2};
+use lemons_core::trial::Wall;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -223,7 +224,12 @@ impl Scene {
     /// is the length of the longest panel of each wall, if it has some.
     pub fn with_panels(self, longest: &[Option<f64>]) -> Scene {
         assert_eq!(longest.len(), self.walls.len(), "one for each wall");
-        Scene { panels: Panels::new(&self.faces, longest), ..self }
+        let stretches = self.walls.iter().zip(longest).map(|(wall, longest)| {
+            let corners = if longest.is_some() { wall.corners.clone() } else { Vec::new() };
+            Wall { panel_length: *longest, ..Wall::new("", "", corners) }.stretches()
+        });
+        let panels = Panels::new(self.faces.len(), self.wall_faces.iter().zip(stretches));
+        Scene { panels, ..self }
     }
 
     /// Returns the scene with only some of its walls. Faces keep their numbers. Those of a wall that is absent touch

@@ -286,7 +286,8 @@ impl World {
     pub fn panel_loads(&self, panel: usize) -> (f64, f64) {
         let seen = self.exposures.panels.get(panel).zip(self.scene.panels.lengths.get(panel));
         let seen = seen.filter(|(_, length)| **length > 0.0);
-        seen.map_or((0.0, 0.0), |(of, length)| (of.mean_force / length, of.peak_force / length))
+        let over = |force: f64, length: &f64| (force / length).clamp(-f64::MAX, f64::MAX);
+        seen.map_or((0.0, 0.0), |(of, length)| (over(of.mean_force, length), over(of.peak_force, length)))
     }
 
     /// Returns what the contacts did in the last communication step, to save it.

@@ -17,7 +17,7 @@ use lemons_core::plane::{Vec2, nearest_on_segment, rotation, vec2};
 use serde::{Deserialize, Serialize};
 
 /// \[m\] Outlines that are nearer than this touch: a person does not let go between two small bounces.
-const TOUCHING: f64 = 0.01;
+pub(crate) const TOUCHING: f64 = 0.01;
 /// Cosine of the greatest angle between the way and somebody ahead: 60°.
 const AHEAD: f64 = 0.5;
 /// \[m/s\] Speed along the way from which on nobody leans; below, the force falls with the speed in a line.

@@ -22,7 +22,8 @@ fn decision(places: &[[f64; 2]], config: &str, wall: Option<f64>) -> Decision {
     let wall = wall.map(|x| Wall::new("", "", vec![vec2(x, -1.0), vec2(x, 1.0)]));
     let people: Vec<_> = places.iter().enumerate().map(person).collect();
     let trial = Trial::of(people, wall.into_iter().collect(), STEP);
-    let config = format!("{config}\nwaypoints = [{{ x = 1e6, y = 0 }}]");
+    let far = if config.contains("waypoints") { "" } else { "\nwaypoints = [{ x = 1e6, y = 0 }]" };
+    let config = format!("{config}{far}");
     Decision::new(Plan::of(&trial, &DecisionConfig::from_toml(&config).unwrap()).unwrap())
 }
 
@@ -63,11 +64,29 @@ fn who_waits_and_touches_somebody_ahead_leans_in_every_model() {
 
 #[test]
 fn a_wall_ahead_is_leaned_on_and_one_at_the_side_is_not() {
-    let config = "model = \"collision-free-speed\"\nqueue = { push = 150.0 }";
-    for (wall, expected) in [(5.125, 150.0), (5.2, 0.0)] {
+    let push = |config: &str, wall: f64| {
         let mut decision = decision(&[[5.0, 0.0]], config, Some(wall));
-        let push = pushes(&mut decision, &[[5.0, 0.0]], 0.0)[0];
-        assert_eq!((push - 150.0).abs() < 1e-9, expected > 0.0, "{wall}: {push}");
+        pushes(&mut decision, &[[5.0, 0.0]], 0.0)[0]
+    };
+    let [alone, leaning] = ["", "\nqueue = { push = 150.0 }"]
+        .map(|queue| format!("model = \"collision-free-speed\"\ndesired_speed = 0.6{queue}"));
+    near(push(&leaning, 5.125), 150.0, 1e-9);
+    // 8 cm ahead, and behind.
+    for wall in [5.2, 4.875] {
+        near(push(&leaning, wall), push(&alone, wall), 1e-9);
+    }
+}
+
+/// Who stands at a goal, does not want to walk, or waits at a way-point, presses nobody.
+#[test]
+fn who_does_not_want_to_get_on_does_not_lean() {
+    let places = [[5.0, 0.0], [4.765, 0.0]];
+    let goal = "goals = [{ polygon = [[0, -5], [9, -5], [9, 5], [0, 5]] }]\nwaypoints = []";
+    for wants in [goal, "desired_speed = 0", "start = 9"] {
+        let of = |queue: &str| format!("model = \"rotational\"\nseed = 3\n{queue}\n{wants}");
+        let [mut none, mut leaning] =
+            ["", "queue = { push = 150.0 }"].map(|queue| decision(&places, &of(queue), None));
+        assert_eq!(pushes(&mut none, &places, 0.0), pushes(&mut leaning, &places, 0.0), "{wants}");
     }
 }
 
@@ -85,16 +104,19 @@ fn feet_hold_no_more_than_their_support() {
 #[test]
 fn who_leans_on_legs_goes_on_leaning() {
     let places = [[5.0, 0.0], [4.765, 0.0]];
-    let config = "model = \"rotational\"\nbalance = \"pendulum\"\nqueue = { push = 100.0 }";
-    let mut decision = decision(&places, config, None);
-    let seen: Vec<f64> = (0..400)
-        .map(|_| {
-            let push = pushes(&mut decision, &places, 0.0)[1];
-            decision.pass(STEP).unwrap();
-            push
-        })
-        .collect();
-    seen[1..].iter().for_each(|push| near(*push, 100.0, 1e-9));
+    // Legs of two levels are repelled by those of others, and the body leans by it.
+    for (balance, tolerance) in [("pendulum", 1e-9), ("two-level", 20.0)] {
+        let config = format!("model = \"rotational\"\nbalance = {balance:?}\nqueue = {{ push = 100.0 }}");
+        let mut decision = decision(&places, &config, None);
+        let seen: Vec<f64> = (0..400)
+            .map(|_| {
+                let push = pushes(&mut decision, &places, 0.0)[1];
+                decision.pass(STEP).unwrap();
+                push
+            })
+            .collect();
+        seen[1..].iter().for_each(|push| near(*push, 100.0, tolerance));
+    }
 }
 
 /// 400 people for 100 s: each has a force of its own, drawn from the distribution, which changes in about 10 s.

@@ -193,7 +193,8 @@ impl<M: Model> Slave<M> {
     /// Refuses a structural parameter that is not the size of what is loaded.
     fn check_size(&self, place: usize) -> Answer<()> {
         let (declared, loaded) = (self.sizes[place], self.model.size(place));
-        if declared == loaded {
+        // Arrays of an optional size may be missing, or be of nothing.
+        if declared == loaded || M::SIZES[place].optional && (declared == 0 || loaded == 0) {
             return Ok(());
         }
         let name = M::SIZES[place].name;

@@ -186,7 +186,7 @@ fn of_walls(out: &mut impl Write, walls: &[OfWall], panels: &[OfPanel]) -> Resul
         writeln!(out, "  nobody touched a wall")?;
         return Ok(());
     }
-    writeln!(out, "{:>42}{:>18}{:>18}", "over 1 s", "over 10 s", "peak")?;
+    writeln!(out, "{:>44}{:>18}{:>18}", "over 1 s", "over 10 s", "peak")?;
     for OfWall { wall, load } in walls.iter().filter(|wall| touched(&wall.load)) {
         of_load(out, &format!("wall {wall}, {:.2} m", load.length), load)?;
     }
@@ -194,11 +194,12 @@ fn of_walls(out: &mut impl Write, walls: &[OfWall], panels: &[OfPanel]) -> Resul
         more if more > MOST_PANELS => format!("the {MOST_PANELS} most loaded of {more}"),
         _ => "all".to_owned(),
     };
-    writeln!(out, "  panels that somebody touched ({count}), with their middle")?;
+    writeln!(out, "  panels that somebody touched ({count}): their middle and length")?;
     for OfPanel { place, load } in loaded.into_iter().take(MOST_PANELS) {
         let [start, end] = place.ends();
         let middle = (start + end) * 0.5;
-        of_load(out, &format!("{}: ({:.2}, {:.2}) m", place.wall, middle.x, middle.y), load)?;
+        let label = format!("{}: ({:.2}, {:.2}), {:.2} m", place.wall, middle.x, middle.y, load.length);
+        of_load(out, &label, load)?;
     }
     paragraph(out, DESIGN)
 }
@@ -215,12 +216,15 @@ fn of_load(out: &mut impl Write, label: &str, load: &WallLoad) -> Result<()> {
         (Some(value), Some(at)) => format!("{:>7.3} at {at:>5.2} s", value / 1e3),
         _ => "-".to_owned(),
     };
+    // A record of less than a second, or with longer steps, has only means over steps.
+    let first = of(load.load_1, load.load_1_at);
+    let step = format!("{:.3} over a step", load.load_step / 1e3);
     let numbers = [
-        of(load.load_1, load.load_1_at),
+        if load.load_1.is_none() { step } else { first },
         of(load.load_10, load.load_10_at),
         of(load.load_peak, load.load_peak_at),
     ];
     let numbers: String = numbers.iter().map(|number| format!("{number:>18}")).collect();
     // A long Id moves its numbers.
-    Ok(writeln!(out, "  {label:<22}{numbers}")?)
+    Ok(writeln!(out, "  {label:<24}{numbers}")?)
 }

@@ -221,6 +221,11 @@ fn loads(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Some(seen) = loads.finish() else {
         bail!("--walls: {}: the results do not contain the forces on walls", run.run.source.display());
     };
+    if seen.panels.iter().all(|(_, load)| load.load_1.is_none()) {
+        bail!(
+            "--walls: the time is shorter than 1 s, or a communication step is longer, so there is no mean over 1 s"
+        );
+    }
     let mut scenes = Scenes::new(style, &run, &[last], interrupt)?;
     let (mut scene, style_then) = scenes.at(last);
     let value = |load: &WallLoad| load.load_1.map_or(f64::NAN, |load| load / 1e3);

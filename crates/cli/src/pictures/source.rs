@@ -144,6 +144,11 @@ impl RunSource {
             }
             *trial = edited.trial().clone();
             // An FMU has the panels that it was packed with.
+            if matches!(self.panels, Some(PanelChoice::Longest(_))) && self.ends_in("fmu") {
+                bail!(Misused(format!(
+                    "--panel-length: {path} is an FMU, which has the panels of its Trial"
+                )));
+            }
             if let Some(panels) = self.panels.filter(|_| !self.ends_in("fmu")) {
                 trial.geometry.divide(panels).map_err(Error::msg)?;
             }

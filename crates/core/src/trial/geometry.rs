@@ -2,8 +2,8 @@
 
 use crate::files::source::FileSource;
 use crate::plane::{Vec2, vec2};
-use crate::require;
 use crate::trial::opening::OpeningTimes;
+use crate::trial::panels::MOST_PANELS;
 use crate::trial::schema::{AttributeValue, Schema};
 use crate::trial::xml::{Checked, Element, Ids, document, empty, read_alone, read_id, vector};
 use crate::xml::{number, quoted};
@@ -31,30 +31,6 @@ impl Geometry {
     /// Returns the walls that never open.
     pub fn fixed_walls(&self) -> impl Iterator<Item = &Wall> {
         self.walls.iter().filter(|wall| wall.open.is_none())
-    }
-
-    /// Divides walls into panels.
-    ///
-    /// # Errors
-    /// A sentence: there would be too many.
-    pub fn divide(&mut self, panels: PanelChoice) -> Result<(), String> {
-        let longest = match panels {
-            PanelChoice::Missing => PANEL_LENGTH,
-            PanelChoice::Longest(longest) => longest,
-        };
-        let stays = |wall: &Wall| panels == PanelChoice::Missing && wall.panel_length.is_some();
-        self.walls.iter_mut().filter(|wall| !stays(wall)).for_each(|wall| wall.panel_length = Some(longest));
-        let count = self.walls.iter().flat_map(Wall::panel_counts).fold(0, usize::saturating_add);
-        require(count <= MOST_PANELS, || {
-            format!(
-                "panels of at most {longest} m would be {count}; at most {MOST_PANELS} can be: take longer ones"
-            )
-        })
-    }
-
-    /// Returns all panels, in file order: the wall of each, and its ends \[m\].
-    pub fn panels(&self) -> impl Iterator<Item = (&Wall, [Vec2; 2])> {
-        self.walls.iter().flat_map(|wall| wall.panels().map(move |ends| (wall, ends)))
     }
 
     /// Returns the text of a `Geometry.xml`. Every number is read back as the same double.
@@ -89,48 +65,10 @@ impl Wall {
         self.corners.windows(2).map(|ends| [ends[0], ends[1]])
     }
 
-    /// Returns the ends \[m\] of its panels: of the equal parts of its straight pieces, each for itself, for which loads are
-    /// outputs.
-    pub fn panels(&self) -> impl Iterator<Item = [Vec2; 2]> {
-        self.sides().zip(self.panel_counts()).flat_map(|([start, end], count)| {
-            let part = move |k: usize| start + (end - start) * (k as f64 / count as f64);
-            // The last one ends at the corner, without rounding.
-            let at = move |k: usize| if k == count { end } else { part(k) };
-            (0..count).map(move |k| [at(k), at(k + 1)])
-        })
-    }
-
-    /// Returns how many panels each of its straight pieces has; nothing if it has none.
-    fn panel_counts(&self) -> impl Iterator<Item = usize> {
-        let count =
-            |longest| self.sides().map(move |[start, end]| panel_count((end - start).norm(), longest));
-        self.panel_length.into_iter().flat_map(count)
-    }
-
     /// Returns whether it is open at a time \[s\].
     pub fn is_open(&self, time: f64) -> bool {
         self.open.as_ref().is_some_and(|open| open.is_open(time))
     }
-}
-
-/// Walls that are divided into panels, and how.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PanelChoice {
-    /// Those without panels, into some of at most 0.5 m.
-    Missing,
-    /// All, into panels of at most so many metres.
-    Longest(f64),
-}
-
-/// \[m\] Length of the longest panel, if nobody says it.
-const PANEL_LENGTH: f64 = 0.5;
-/// Most panels of a Trial.
-const MOST_PANELS: usize = 20_000;
-
-/// Returns the number of panels of a straight piece of a wall, which are of one length; all \[m\].
-pub fn panel_count(length: f64, longest: f64) -> usize {
-    // A piece of 2.0000000001 m has four of 0.5 m.
-    ((length / longest - 1e-9).ceil() as usize).max(1)
 }
 
 pub(crate) static GEOMETRY: Schema =
@@ -166,7 +104,7 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Geometry {
         let panel_length = element.node.has("PanelLength").then(|| element.number("PanelLength"));
         let wall = Wall { id, material_id, corners, open, panel_length };
         let before = panels;
-        panels = wall.panel_counts().fold(panels, usize::saturating_add);
+        panels = wall.stretches().iter().map(|of| of.panels).fold(panels, usize::saturating_add);
         if before <= MOST_PANELS && panels > MOST_PANELS {
             element.wrong("PanelLength", format!("makes more than {MOST_PANELS} panels in all"));
         }

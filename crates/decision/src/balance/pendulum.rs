@@ -180,7 +180,12 @@ impl Pendulum {
         if self.lies(legs) {
             return;
         }
-        self.notice_load(legs, motion, step);
+        if motion.lean == Vec2::zeros() {
+            self.notice_load(legs, motion, step);
+        } else {
+            // Who leans passes on what presses from behind, and has the place where it stands now.
+            (legs.load, legs.home, legs.calm) = (Vec2::zeros(), motion.at, 0.0);
+        }
         // At the nearest communication point.
         if legs.step.is_some_and(|left| left <= 0.5 * step) {
             legs.step = None;
@@ -201,7 +206,7 @@ impl Pendulum {
             legs.calm = 0.0;
         } else if motion.velocity.norm() > slow {
             legs.calm = 0.0;
-        } else {
+        } else if motion.lean == Vec2::zeros() {
             if legs.calm <= self.return_after {
                 legs.aim = motion.at + (legs.home - motion.at) * self.return_part;
             }

@@ -89,7 +89,7 @@ impl TwoLevel {
 
     /// \[m/s²\] Returns the acceleration of the drive; the rest of λ_u (v_u e − v) is eq. 1's relaxation.
     pub(super) fn drive(&self, legs: &Legs, motion: &OwnMotion) -> Vec2 {
-        self.direction(motion.at - legs.at) * (self.speed * motion.damping)
+        self.direction(motion.at - legs.at) * (self.speed * motion.damping) + motion.lean
     }
 
     /// Moves the legs of everybody who stands by a step of time \[s\].

@@ -3,13 +3,11 @@
 use super::Decision;
 use crate::balance::OwnMotion;
 use crate::cells::Cells;
-use crate::queue::{self, Lean, feet_hold};
+use crate::plan::Planned;
+use crate::queue::{self, Lean, TOUCHING, feet_hold};
 use crate::stuck::StuckAction;
 use crate::walking_model::Walking;
 use lemons_core::plane::Vec2;
-
-/// \[m\] Bodies whose centres are further apart do not touch.
-const REACH: f64 = 1.5;
 
 impl Decision {
     /// Returns how an agent leans on who is in front, if it does.
@@ -33,12 +31,15 @@ impl Decision {
         let closed =
             self.plan.doors.iter().filter(|door| !door.is_open(self.time)).flat_map(|door| door.sides());
         let faces: Vec<[Vec2; 2]> = self.faces.iter().copied().chain(closed).collect();
-        let cells = Cells::new(&people, |walking| walking.at, &faces, (REACH, REACH), |i, _| i);
+        // Bodies whose centres are further apart do not touch.
+        let reach = 2.0 * self.plan.agents.iter().map(Planned::radius).fold(0.0, f64::max) + TOUCHING;
+        let cells = Cells::new(&people, |walking| walking.at, &faces, (reach, reach), |i, _| i);
         let lean = |(i, walking): (usize, &Option<Walking<'_>>)| {
             let (walking, agent) = (walking.as_ref()?, &self.agents[i]);
             let direction = walking.direction?;
-            // Who gives way does not lean.
-            if agent.stuck.action(direction, walking.speed) != StuckAction::Walk {
+            // Who is there, or does not want to walk, does not lean; nor does who gives way.
+            let wants = agent.walker.desired_speed > 0.0 && self.arrival(i).is_none();
+            if !wants || agent.stuck.action(direction, walking.speed) != StuckAction::Walk {
                 return None;
             }
             let cell = cells.cell(walking.at);

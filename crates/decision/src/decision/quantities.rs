@@ -212,7 +212,10 @@ impl Decision {
     fn needs_all(&self, output: DecisionQuantity) -> bool {
         let groups = !self.plan.groups.is_empty();
         match output {
-            DecisionQuantity::Fp | DecisionQuantity::Mp => groups || self.plan.walking_model.sees_others(),
+            DecisionQuantity::Fp => {
+                groups || self.plan.walking_model.sees_others() || self.plan.queue.is_some()
+            }
+            DecisionQuantity::Mp => groups || self.plan.walking_model.sees_others(),
             // Before the first step, who stands follows from where the whole group is.
             DecisionQuantity::Legs | DecisionQuantity::Lean | DecisionQuantity::Balanced => {
                 groups && self.plan.balance.is_some()

@@ -1,7 +1,7 @@
 //! How hard people press on walls: on panels, and on whole walls.
 
-use crate::Frame;
 use crate::measure::{Exposed, SqueezeOverTime};
+use crate::{Frame, OfWall};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Geometry;
 use serde::Serialize;
@@ -9,7 +9,8 @@ use serde::Serialize;
 /// A panel of a wall, or a straight piece of one without panels.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Panel {
-    /// Its place among all, from 0, as in `barrier[k].Load`; that of a straight piece as in `wall[k].MeanNormalForce`.
+    /// Its place among all panels, from 0, as in `barrier[k].Load`; of a wall without panels that of the straight piece, as in
+    /// `wall[k].MeanNormalForce`.
     pub panel: usize,
     /// Id of the wall.
     pub wall: String,
@@ -84,10 +85,8 @@ pub struct LoadsOverTime {
     panels: Vec<Panel>,
     /// Ids of the walls.
     walls: Vec<String>,
-    /// Of each panel, the place of its wall.
-    wall_of: Vec<usize>,
-    /// Whether the panels are those of the geometry, and not its straight pieces.
-    divided: bool,
+    /// Of each panel, the place of its wall, and whether it is a panel of the frames, or a straight piece.
+    of: Vec<(usize, bool)>,
     of_panels: SqueezeOverTime,
     of_walls: SqueezeOverTime,
     /// Whether there was a frame that does not say.
@@ -95,44 +94,45 @@ pub struct LoadsOverTime {
 }
 
 impl LoadsOverTime {
-    /// Begins, with the panels of walls, or, if none has some, with their straight pieces.
+    /// Begins, with the panels of walls; of a wall without panels, with its straight pieces.
     pub fn of(geometry: &Geometry) -> LoadsOverTime {
-        let divided = geometry.panels().next().is_some();
-        let (mut panels, mut walls, mut wall_of) = (Vec::new(), Vec::new(), Vec::new());
-        for wall in &geometry.walls {
-            let before = panels.len();
-            let panel = |(k, [start, end]): (usize, [Vec2; 2])| Panel {
+        let (mut panels, mut of, mut counts) = (Vec::new(), Vec::new(), [0, 0]);
+        for (place, wall) in geometry.walls.iter().enumerate() {
+            let divided = wall.panel_length.is_some();
+            let own: Vec<[Vec2; 2]> = if divided { wall.panels().collect() } else { wall.sides().collect() };
+            // Frames have all straight pieces, also of walls that are divided.
+            let before = counts[usize::from(divided)];
+            counts[1] += if divided { own.len() } else { 0 };
+            counts[0] += wall.corners.len() - 1;
+            of.resize(of.len() + own.len(), (place, divided));
+            panels.extend(own.into_iter().enumerate().map(|(k, [start, end])| Panel {
                 panel: before + k,
                 wall: wall.id.clone(),
                 x1: start.x,
                 y1: start.y,
                 x2: end.x,
                 y2: end.y,
-            };
-            if divided {
-                panels.extend(wall.panels().enumerate().map(panel));
-            } else {
-                panels.extend(wall.sides().enumerate().map(panel));
-            }
-            if panels.len() > before {
-                wall_of.resize(panels.len(), walls.len());
-                walls.push(wall.id.clone());
-            }
+            }));
         }
+        let walls: Vec<String> = geometry.walls.iter().map(|wall| wall.id.clone()).collect();
         let over_time = |count| SqueezeOverTime::new(count, &[], None);
         let (of_panels, of_walls) = (over_time(panels.len()), over_time(walls.len()));
-        LoadsOverTime { panels, walls, wall_of, divided, of_panels, of_walls, incomplete: false }
+        LoadsOverTime { panels, walls, of, of_panels, of_walls, incomplete: false }
     }
 
     /// Adds the next frame.
     pub fn add(&mut self, frame: &Frame) {
-        let forces = if self.divided { &frame.panels } else { &frame.walls };
-        let Some(forces) = forces.as_ref().filter(|forces| forces.len() == self.panels.len()) else {
+        let of_frame = |(panel, (_, divided)): (&Panel, &(usize, bool))| {
+            let all = if *divided { &frame.panels } else { &frame.walls };
+            all.as_ref()?.get(panel.panel).copied()
+        };
+        let forces: Option<Vec<OfWall>> = self.panels.iter().zip(&self.of).map(of_frame).collect();
+        let Some(forces) = forces else {
             self.incomplete = true;
             return;
         };
         let mut sums = vec![0.0; self.walls.len()];
-        for (force, wall) in forces.iter().zip(&self.wall_of) {
+        for (force, (wall, _)) in forces.iter().zip(&self.of) {
             sums[*wall] += force.mean_normal_force;
         }
         let means = forces.iter().map(|of| Some((of.mean_normal_force, of.peak_normal_force)));
@@ -146,7 +146,7 @@ impl LoadsOverTime {
             return None;
         }
         let mut lengths = vec![0.0; self.walls.len()];
-        for (panel, wall) in self.panels.iter().zip(&self.wall_of) {
+        for (panel, (wall, _)) in self.panels.iter().zip(&self.of) {
             lengths[*wall] += panel.length();
         }
         let of_panels = self.of_panels.so_far().into_iter().zip(self.panels);
@@ -165,6 +165,6 @@ impl LoadsOverTime {
 pub struct WallLoads {
     /// The panels, in the order of Geometry.xml.
     pub panels: Vec<(Panel, WallLoad)>,
-    /// Ids of walls, in the same order: of those that have panels, or of all.
+    /// Ids of walls, in the same order.
     pub walls: Vec<(String, WallLoad)>,
 }
