@@ -49,7 +49,7 @@ def test_a_row_presses_with_the_sum_of_its_pushes(lemons, tmp_path, people, push
 @pytest.mark.long
 def test_a_gate_gets_more_the_harder_a_queue_pushes(lemons, tmp_path):
     """The study of docs/walking.md with fewer people: loads rise up to what feet hold, without a push they are those of today."""
-    command = [sys.executable, REPOSITORY / "examples/queue.py", tmp_path / "queue", "--seeds", "2", "--people", "40"]
+    command = [sys.executable, REPOSITORY / "examples/shut_gate.py", tmp_path / "gate", "--seeds", "2", "--people", "40"]
     done = subprocess.run(command, env={**os.environ, "LEMONS": str(lemons)}, check=True, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=900)
     loads = [float(row) for row in re.findall(r"^ +\d+ N +([\d.]+) ±", done.stdout, re.MULTILINE)]
     assert len(loads) == 6 and loads[0] < loads[1] < loads[2] < loads[3] and loads[0] < 0.3 * loads[3]

@@ -1,6 +1,6 @@
 """How hard does a queue press on a shut gate, if everybody in it pushes?
 
-    python examples/queue.py queue
+    python examples/shut_gate.py gate
 
 150 people stand in a hall of 12 m by 6 m and want to leave by a gate of 2 m, which stays shut. Who waits leans on who is in
 front with a force of their own (docs/walking.md). One `lemons sweep` measures, for each push and seed, from 20 to 40 s:
