@@ -12,7 +12,7 @@ use lemons_core::trial::DriveTable;
 pub use lemons_fmi::Status::{self, Discard as DISCARD, Error as ERROR, Ok as OK, Warning as WARNING};
 pub use lemons_fmi::testing::Version::{self, V2, V3};
 pub use lemons_fmi::testing::instance::{Arguments, VersionFunctions};
-pub use lemons_fmi::testing::{Message, TestInstance};
+pub use lemons_fmi::testing::{LoggedMessage, TestInstance};
 use lemons_fmi::variables::Dimension;
 use lemons_fmi::{Model as _, instantiation_token, reference};
 pub use lemons_testing::{copy_tree, trial_push as paper};
@@ -281,18 +281,23 @@ impl Deref for Crowd {
 pub type Bits = (Vec<u64>, Vec<i32>);
 
 /// An instance, or what was told.
-pub fn instantiate(fmu: &Fmu, version: Version, token: &str, location: &str) -> Result<Crowd, Vec<Message>> {
+pub fn instantiate(
+    fmu: &Fmu,
+    version: Version,
+    token: &str,
+    location: &str,
+) -> Result<Crowd, Vec<LoggedMessage>> {
     let (token, location) = (CString::new(token).unwrap(), CString::new(location).unwrap());
     Crowd::with(fmu, version, &Arguments::new(&token, &location))
 }
 
 impl Crowd {
-    pub fn with(fmu: &Fmu, version: Version, arguments: &Arguments<'_>) -> Result<Crowd, Vec<Message>> {
+    pub fn with(fmu: &Fmu, version: Version, arguments: &Arguments<'_>) -> Result<Crowd, Vec<LoggedMessage>> {
         let instance = TestInstance::new(fmu.functions(version), arguments)?;
         Ok(Crowd { instance, model: Model::paper(version), set: RefCell::default() })
     }
 
-    pub fn try_of(fmu: &Fmu, version: Version, resources: &Path) -> Result<Crowd, Vec<Message>> {
+    pub fn try_of(fmu: &Fmu, version: Version, resources: &Path) -> Result<Crowd, Vec<LoggedMessage>> {
         instantiate(fmu, version, &Model::paper(version).token, &version.location(resources))
     }
 

@@ -8,7 +8,7 @@ use std::ptr::null;
 
 /// Asserts one message that holds all the words.
 #[track_caller]
-fn check(result: Result<Crowd, Vec<Message>>, words: &[&str]) {
+fn check(result: Result<Crowd, Vec<LoggedMessage>>, words: &[&str]) {
     let Err(log) = result else { panic!("{words:?}: an instance") };
     let [message] = &*log else { panic!("one message, not {log:?}") };
     assert_eq!((message.status, &*message.category), (ERROR, "logStatusError"), "{message:?}");
@@ -17,7 +17,7 @@ fn check(result: Result<Crowd, Vec<Message>>, words: &[&str]) {
     }
 }
 
-fn open(location: &str) -> Result<Crowd, Vec<Message>> {
+fn open(location: &str) -> Result<Crowd, Vec<LoggedMessage>> {
     instantiate(Fmu::get(), V2, &Model::paper(V2).token, location)
 }
 

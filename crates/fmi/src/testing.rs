@@ -14,4 +14,4 @@ pub mod instance;
 
 pub use crate::Version;
 pub use functions::{fmi2, fmi3};
-pub use instance::{Message, TestInstance};
+pub use instance::{LoggedMessage, TestInstance};

@@ -4,7 +4,7 @@
 use lemons_fmi::location::Location;
 use lemons_fmi::testing::fmi2;
 use lemons_fmi::testing::instance::{Arguments, VersionFunctions};
-use lemons_fmi::testing::{Message, TestInstance};
+use lemons_fmi::testing::{LoggedMessage, TestInstance};
 use lemons_fmi::variables::{Dependencies, Known, Scalar, Size, Variable, VariableType, row, types};
 use lemons_fmi::{Answer, Model, Phase, Status, Step, StepError, guid};
 use std::ffi::{CStr, CString};
@@ -84,15 +84,15 @@ impl Model for Brittle {
     }
 }
 
-fn instantiate_at(location: &CStr) -> Result<TestInstance, Vec<Message>> {
+fn instantiate_at(location: &CStr) -> Result<TestInstance, Vec<LoggedMessage>> {
     let guid = CString::new(guid(&Brittle { x: 0.0 }.scalars()).braced().to_string()).unwrap();
     let functions = VersionFunctions::V2(Box::new(fmi2::Functions::of_model::<Brittle>()));
     TestInstance::new(&functions, &Arguments::new(&guid, location))
 }
 
 #[track_caller]
-fn fatal(messages: &[Message], words: [&str; 2]) {
-    let [Message { status: Status::Fatal, text, .. }] = messages else { panic!("{messages:?}") };
+fn fatal(messages: &[LoggedMessage], words: [&str; 2]) {
+    let [LoggedMessage { status: Status::Fatal, text, .. }] = messages else { panic!("{messages:?}") };
     assert!(words.iter().all(|word| text.contains(word)), "{text}");
 }
 

@@ -22,10 +22,10 @@ pub fn short(error: impl std::fmt::Display) -> String {
 }
 
 /// A finding: its line, the id of its rule, severity, where it is, and what is said of it.
-pub type Found = (String, String, String, String, String);
+pub type FindingRow = (String, String, String, String, String);
 
 /// Returns a finding for Python.
-pub fn found(problem: &Problem) -> Found {
+pub fn found(problem: &Problem) -> FindingRow {
     let (id, place) = (problem.rule.row().id.to_owned(), problem.place());
     let place = place.trim_end_matches(": ").to_owned();
     (short(problem), id, problem.severity().to_string(), place, short(&problem.message))
@@ -40,7 +40,7 @@ pub struct PyModel {
     decision: Option<PathBuf>,
     /// Warnings of what is probably not meant.
     #[pyo3(get)]
-    warnings: Vec<Found>,
+    warnings: Vec<FindingRow>,
 }
 
 /// The texts of a model: name and directory of the Trial, its files, the drive as CSV, and its decision.toml.
@@ -75,7 +75,7 @@ impl PyModel {
 
     /// Makes the model of its texts.
     #[staticmethod]
-    fn of_texts(texts: Texts, decision: Option<PathBuf>, warnings: Vec<Found>) -> PyResult<PyModel> {
+    fn of_texts(texts: Texts, decision: Option<PathBuf>, warnings: Vec<FindingRow>) -> PyResult<PyModel> {
         let (name, directory, files, drive, toml) = texts;
         let mut memory = Memory::default();
         files.into_iter().for_each(|(path, text)| memory.put(&path, text.into_bytes()));
@@ -136,7 +136,7 @@ impl PyModel {
 }
 
 /// The parts of a model: its texts, the path of its `decision.toml`, warnings.
-type Parts = (Texts, Option<PathBuf>, Vec<Found>);
+type Parts = (Texts, Option<PathBuf>, Vec<FindingRow>);
 
 /// Said of an FMU that has no Trial.
 const OTHER_FMU: &str = "; here the Trial in the FMU of a crowd is simulated: any other FMU runs with FMPy \

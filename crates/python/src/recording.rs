@@ -1,7 +1,7 @@
 //! A run under way, and what is recorded of it.
 
 use crate::arrays::{append, numbers_of_each};
-use crate::model::{Found, found};
+use crate::model::{FindingRow, found};
 use crate::simulation::{PySimulation, check_finite, check_shape, condition, in_order, refused, until_of};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_decision::Plan;
@@ -151,7 +151,7 @@ impl Recording {
     }
 
     /// Returns what is found at the end of a run; `whole`: it began with the crowd.
-    fn findings(&self, simulation: &PySimulation, whole: bool) -> Vec<Found> {
+    fn findings(&self, simulation: &PySimulation, whole: bool) -> Vec<FindingRow> {
         let world = simulation.simulation.world();
         let forces: Option<Vec<_>> = world.map(|world| world.drive.iter().map(|drive| drive.force).collect());
         let all = simulation

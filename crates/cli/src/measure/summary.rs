@@ -31,9 +31,9 @@ pub struct RunSummary {
     pub exposure: Option<SqueezeSummary>,
     pub exposure_left_out: Option<&'static str>,
     /// Loads on walls; null: not asked for.
-    pub walls: Option<Vec<OfWall>>,
+    pub walls: Option<Vec<LoadedWall>>,
     /// The same on their panels.
-    pub panels: Option<Vec<OfPanel>>,
+    pub panels: Option<Vec<LoadedPanel>>,
     /// How people kept their balance; null: they have no legs.
     pub balance: Option<BalanceSummary>,
     /// Notes of what the squeezes can mean, and what not.
@@ -127,7 +127,7 @@ impl OfArea {
 
 /// Load on a wall in all.
 #[derive(Serialize)]
-pub struct OfWall {
+pub struct LoadedWall {
     /// Id of the wall.
     pub wall: String,
     #[serde(flatten)]
@@ -136,7 +136,7 @@ pub struct OfWall {
 
 /// Load on a panel.
 #[derive(Serialize)]
-pub struct OfPanel {
+pub struct LoadedPanel {
     #[serde(flatten)]
     pub place: Panel,
     #[serde(flatten)]
@@ -144,9 +144,9 @@ pub struct OfPanel {
 }
 
 /// Returns the loads on walls and on their panels.
-pub fn of_walls(loads: WallLoads) -> (Vec<OfWall>, Vec<OfPanel>) {
-    let walls = loads.walls.into_iter().map(|(wall, load)| OfWall { wall, load }).collect();
-    (walls, loads.panels.into_iter().map(|(place, load)| OfPanel { place, load }).collect())
+pub fn of_walls(loads: WallLoads) -> (Vec<LoadedWall>, Vec<LoadedPanel>) {
+    let walls = loads.walls.into_iter().map(|(wall, load)| LoadedWall { wall, load }).collect();
+    (walls, loads.panels.into_iter().map(|(place, load)| LoadedPanel { place, load }).collect())
 }
 
 #[derive(Serialize)]

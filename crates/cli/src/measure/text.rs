@@ -1,7 +1,7 @@
 //! The numbers of a measurement as text, 80 columns wide.
 
 use super::summary::{
-    BalanceSummary, OfArea, OfLine, OfPanel, OfPart, OfPeople, OfWall, RunSummary, SqueezeSummary,
+    BalanceSummary, LoadedPanel, LoadedWall, OfArea, OfLine, OfPart, OfPeople, RunSummary, SqueezeSummary,
 };
 use crate::print;
 use anyhow::Result;
@@ -175,9 +175,9 @@ fn of_balance(out: &mut impl Write, balance: &BalanceSummary, people: usize) -> 
 const MOST_PANELS: usize = 10;
 
 /// Writes the walls and the most loaded panels that somebody touched.
-fn of_walls(out: &mut impl Write, walls: &[OfWall], panels: &[OfPanel]) -> Result<()> {
+fn of_walls(out: &mut impl Write, walls: &[LoadedWall], panels: &[LoadedPanel]) -> Result<()> {
     let touched = |load: &WallLoad| load.impulse > 0.0;
-    let mut loaded: Vec<&OfPanel> = panels.iter().filter(|panel| touched(&panel.load)).collect();
+    let mut loaded: Vec<&LoadedPanel> = panels.iter().filter(|panel| touched(&panel.load)).collect();
     // Records that are shorter than a second have no mean over it. Equal loads stay in the order of the walls.
     let key = |load: &WallLoad| load.load_1.unwrap_or(load.load_step);
     loaded.sort_by(|one, other| key(&other.load).total_cmp(&key(&one.load)));
@@ -187,7 +187,7 @@ fn of_walls(out: &mut impl Write, walls: &[OfWall], panels: &[OfPanel]) -> Resul
         return Ok(());
     }
     writeln!(out, "{:>44}{:>18}{:>18}", "over 1 s", "over 10 s", "peak")?;
-    for OfWall { wall, load } in walls.iter().filter(|wall| touched(&wall.load)) {
+    for LoadedWall { wall, load } in walls.iter().filter(|wall| touched(&wall.load)) {
         of_load(out, &format!("wall {wall}, {:.2} m", load.length), load)?;
     }
     let count = match loaded.len() {
@@ -195,7 +195,7 @@ fn of_walls(out: &mut impl Write, walls: &[OfWall], panels: &[OfPanel]) -> Resul
         _ => "all".to_owned(),
     };
     writeln!(out, "  panels that somebody touched ({count}): their middle and length")?;
-    for OfPanel { place, load } in loaded.into_iter().take(MOST_PANELS) {
+    for LoadedPanel { place, load } in loaded.into_iter().take(MOST_PANELS) {
         let [start, end] = place.ends();
         let middle = (start + end) * 0.5;
         let label = format!("{}: ({:.2}, {:.2}), {:.2} m", place.wall, middle.x, middle.y, load.length);

@@ -63,7 +63,7 @@ impl VersionFunctions {
 
 /// A message to the importer.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Message {
+pub struct LoggedMessage {
     /// Status.
     pub status: Status,
     /// Log category.
@@ -78,7 +78,7 @@ pub type Update = dyn FnMut(f64, bool) -> Option<f64>;
 /// Things that the callbacks of an instance know.
 #[derive(Default)]
 struct Environment {
-    messages: Mutex<Vec<Message>>,
+    messages: Mutex<Vec<LoggedMessage>>,
     update: RefCell<Option<Box<Update>>>,
 }
 
@@ -90,7 +90,7 @@ impl Environment {
         let (environment, category, text) =
             unsafe { (&*environment.cast::<Environment>(), CStr::from_ptr(category), CStr::from_ptr(text)) };
         let string = |text: &CStr| text.to_str().expect("the logger gets UTF-8 text").to_owned();
-        let message = Message { status, category: string(category), text: string(text) };
+        let message = LoggedMessage { status, category: string(category), text: string(text) };
         environment.messages.lock().unwrap_or_else(PoisonError::into_inner).push(message);
     }
 }
@@ -250,7 +250,7 @@ impl TestInstance {
     pub fn new(
         functions: &VersionFunctions,
         arguments: &Arguments<'_>,
-    ) -> Result<TestInstance, Vec<Message>> {
+    ) -> Result<TestInstance, Vec<LoggedMessage>> {
         let environment = Box::<Environment>::default();
         let at = std::ptr::from_ref(&*environment).cast_mut().cast();
         let text = |text: Option<&CStr>| text.map_or(null(), CStr::as_ptr);
@@ -310,7 +310,7 @@ impl TestInstance {
     }
 
     /// The messages since the last call.
-    pub fn take_messages(&self) -> Vec<Message> {
+    pub fn take_messages(&self) -> Vec<LoggedMessage> {
         std::mem::take(&mut *self.environment.messages.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
@@ -338,7 +338,7 @@ impl TestInstance {
     pub fn refused(&self, status: Status) -> String {
         let messages = self.take_messages();
         assert!(matches!(status, Status::Error | Status::Discard), "{status:?} {messages:?}");
-        let [Message { status: told, category, text }] = &*messages else {
+        let [LoggedMessage { status: told, category, text }] = &*messages else {
             panic!("one message, not {messages:?}")
         };
         assert_eq!((*told, &**category), (status, "logStatusError"), "{messages:?}");
