@@ -53,6 +53,7 @@ NOT_RUN = {
     ("docs/guide/squeeze.md", "cargo test --release -p lemons-people"): COMPILES,
     ("docs/guide/squeeze.md", "python examples/soft_chest.py"): "takes minutes; test_numbers.py makes fewer rooms",
     ("docs/guide/controller.md", "python examples/turnstile.py"): "takes minutes; test_turnstile.py makes one crowd",
+    ("docs/walking.md", "python examples/experiments.py"): "needs measured data; docs/validation.md runs it without",
     ("docs/walking.md", "python examples/evacuations.py"): "takes minutes; test_leaving.py makes fewer rooms",
     ("docs/walking.md", "python examples/groups.py"): "takes minutes; test_leaving.py makes fewer crowds",
     ("docs/command.md", "cargo run -p lemons-cli --example reference"): "crates/cli/tests/cli/reference.rs does it",
