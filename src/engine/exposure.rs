@@ -170,7 +170,7 @@ impl FaceSum {
     }
 
     /// Returns the same of a panel. Its mean may be slightly below zero or above the peak, where a disk goes to another panel
-    /// within the mechanical step in which its contact begins or ends: so panels add up to their face.
+    /// within the mechanical step in which its contact begins or ends: so panels add up to their wall.
     pub fn share(&self, duration: f64, end: f64) -> FaceExposure {
         let mean_force = if duration > 0.0 { self.impulse / duration } else { end };
         let mean_force = mean_force.clamp(-f64::MAX, f64::MAX);

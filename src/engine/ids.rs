@@ -43,7 +43,7 @@ index!(
     FaceId
 );
 index!(
-    /// Index of a panel; panels are grouped by face.
+    /// Index of a panel; panels are grouped by wall.
     PanelId
 );
 index!(

@@ -220,7 +220,7 @@ impl Scene {
         scene
     }
 
-    /// Divides the faces of walls into panels, for [`World::panel_exposures`](super::World::panel_exposures). `longest` \[m\]
+    /// Divides the straight stretches of walls into panels, for [`World::panel_exposures`](super::World::panel_exposures). `longest` \[m\]
     /// is the length of the longest panel of each wall, if it has some.
     pub fn with_panels(self, longest: &[Option<f64>]) -> Scene {
         assert_eq!(longest.len(), self.walls.len(), "one for each wall");

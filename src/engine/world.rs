@@ -277,7 +277,8 @@ impl World {
     }
 
     /// Returns the same of each panel of the walls that have some ([`Scene::with_panels`]), from the start of a wall to its
-    /// end. A contact belongs to the panel of its face that is nearest to the disk's centre.
+    /// end. A contact belongs to the panel, on the straight stretch of its face, that is nearest to the disk's
+    /// centre.
     pub fn panel_exposures(&self) -> &[FaceExposure] {
         &self.exposures.panels
     }

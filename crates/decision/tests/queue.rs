@@ -4,6 +4,8 @@ use lemons_core::plane::{Motion, Pose, Twist, vec2};
 use lemons_core::trial::{Agent, AgentDynamics, Trial, Wall};
 use lemons_decision::{Decision, DecisionConfig, Plan, WalkingModelName};
 use lemons_fmi::Model;
+use lemons_fmi::testing::dependencies::moved;
+use lemons_fmi::variables::Known;
 
 const STEP: f64 = 0.05;
 /// \[1/s\] 1/t_transl.
@@ -186,5 +188,20 @@ fn what_cannot_be_is_refused_by_key() {
             Trial::of([(Agent::new("0", 80.0, 1.5, [2.0, 4.0]), AgentDynamics::default())], Vec::new(), STEP);
         let error = config.and_then(|config| Plan::of(&trial, &config)).unwrap_err().to_string();
         assert!(error.contains(message), "{error}");
+    }
+}
+
+/// The helper changes each input and parameter, and looks into both descriptions.
+#[test]
+fn who_leans_depends_on_everybody_as_it_is_declared() {
+    let places = [[5.0, 0.0], [4.765, 0.0]];
+    for config in ["queue = { push = 150.0 }", "queue = { push = 150.0 }\nbalance = \"pendulum\""] {
+        let initialized = || {
+            let mut decision = decision(&places, &format!("desired_speed = 0.6\n{config}"), None);
+            decision.initialize(0.0).unwrap();
+            decision
+        };
+        let moved = moved(initialized, Known::Inputs);
+        assert!(["Position", "Velocity"].iter().all(|on| moved.contains(&("Fp", on))), "{moved:?}");
     }
 }

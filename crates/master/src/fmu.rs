@@ -258,7 +258,9 @@ impl Fmu {
                 let trial = self.trial(Some(text))?;
                 self.chosen = Some(text.to_owned());
                 self.materials = OnceLock::new();
-                for (size, value) in quantities::SIZES.iter().zip(quantities::sizes(&trial)) {
+                // No size is 0 in FMI 3.0: arrays of what the Trial does not have keep theirs, and are 0.
+                let sizes = quantities::SIZES.iter().zip(quantities::sizes(&trial));
+                for (size, value) in sizes.filter(|(_, value)| *value > 0) {
                     self.resize(size.name, value)?;
                 }
             } else if self.is_structural(name) {
