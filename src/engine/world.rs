@@ -8,6 +8,7 @@ use super::free_flight::Course;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
+use super::slope::OnSlopes;
 use super::{
     Body, BodyId, DiskId, Exposure, Exposures, FaceExposure, InPlane, Scene, Shortlisting, State, Threads,
     ThreadsError, Vec2, WallId, Work, Wrench,
@@ -259,7 +260,8 @@ impl World {
         let (contacts, drive) = (&self.contacts.bodies[b].wrench, &self.drive[b]);
         Wrench {
             force: (contacts.force + drive.force) * of.inverse_mass
-                + of.by_floor(pose.orientation, twist.velocity),
+                + of.by_floor(pose.orientation, twist.velocity)
+                + self.scene.slopes.pull(pose.position),
             torque: (contacts.torque + drive.torque) * of.inverse_inertia
                 - twist.angular_velocity * of.rotation_rate,
         }
@@ -373,7 +375,12 @@ impl World {
             return Err(AdvanceError::TooManySteps { duration, mechanical_step: self.mechanical_step });
         }
         let held = self.drive_rate.iter().all(|rate| *rate == Wrench::default());
-        let state = if held {
+        let slopes = self.scene.slopes.clone();
+        let state = if !slopes.is_empty() {
+            let drives = ramps(&self.scene, &self.drive, &self.drive_rate).into_iter();
+            let drives: Vec<OnSlopes> = drives.map(|drive| OnSlopes { drive, slopes: &slopes }).collect();
+            self.moved(&drives, duration, steps)?
+        } else if held {
             self.moved(&held_drives(&self.scene, &self.drive), duration, steps)?
         } else {
             self.moved(&ramps(&self.scene, &self.drive, &self.drive_rate), duration, steps)?

@@ -114,7 +114,7 @@ impl Setup<'_> {
             laws.set(pair.0, pair.1, law);
         }
         let longest: Vec<_> = self.geometry.walls.iter().map(|wall| wall.panel_length).collect();
-        Ok(Scene::new(&bodies, &walls, laws).with_panels(&longest))
+        Ok(Scene::new(&bodies, &walls, laws).with_panels(&longest).with_grounds(&self.geometry.grounds))
     }
 
     /// Returns the state in `AgentDynamics.xml`, with the springs of `AgentInteractions.xml`.

@@ -9,6 +9,7 @@ use crate::stuck::{StuckAction, StuckState, normal, share};
 use crate::target::{Arrival, Destination, Ways};
 use crate::walking_model::{DesiredMotion, Walking};
 use lemons_core::plane::{Motion, Pose, Vec2, vec2};
+use lemons_core::trial::Ground;
 use lemons_fmi::{Answer, refuse};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -84,7 +85,8 @@ impl AgentState {
 
     fn motion(&self) -> OwnMotion {
         let Walker { floor_damping: damping, stature, .. } = self.walker;
-        OwnMotion { at: self.at(), velocity: self.velocity, damping, stature, lean: Vec2::zeros() }
+        let (at, velocity) = (self.at(), self.velocity);
+        OwnMotion { at, velocity, damping, stature, lean: Vec2::zeros(), steps: true }
     }
 
     /// \[m\] Where the agent came from.
@@ -321,7 +323,16 @@ impl Decision {
                 let agent = &self.agents[i];
                 drive.force = (balance.drive(&legs, &self.leaning(i)) * agent.walker.mass).into();
                 drive.torque = if balance.lies(&legs) { 0.0 } else { drive.torque };
+                if balance.lies(&legs) {
+                    return Ok(drive);
+                }
             }
+        }
+        if let Some(ground) = self.plan.ground_at(self.agents[i].at()) {
+            // Feet hold what pulls downhill, but for who leans.
+            let held = 1.0 - lean.map_or(0.0, |lean| lean.part);
+            let held = ground.pull() * (held * self.agents[i].walker.mass);
+            drive.force = (Vec2::from(drive.force) - held).into();
         }
         Ok(drive)
     }
@@ -334,10 +345,11 @@ impl Decision {
         let alone = !self.plan.walking_model.sees_others() && self.group(i).is_none();
         if walks && agent.next() < agent.walker.waypoints.len() && alone {
             let mut drive = agent.walker.drive(agent.next(), agent.pose);
-            // In front of a closed door.
-            if let (false, Some((_, speed))) = (self.plan.doors.is_empty(), self.goes(i)) {
+            // In front of a closed door, and on slopes.
+            let level = self.plan.doors.is_empty() && self.plan.grounds.is_empty();
+            if let (false, Some((_, speed))) = (level, self.goes(i)) {
                 let whole = agent.walker.desired_speed;
-                let share = if speed < whole { speed / whole } else { 1.0 };
+                let share = if speed != whole { speed / whole } else { 1.0 };
                 drive.force = drive.force.map(|force| share * force);
             }
             return Ok(drive);
@@ -410,6 +422,10 @@ impl Decision {
         };
         let stuck = &self.agents[i].stuck;
         if let Some((direction, speed)) = self.goes(i) {
+            if self.plan.ground_at(self.agents[i].at()).is_some_and(Ground::is_stairs) {
+                // Feet need the steps ahead: nobody evades or sways.
+                wanted.velocity = direction * wanted.velocity.dot(&direction);
+            }
             match stuck.action(direction, speed) {
                 StuckAction::Walk => {}
                 StuckAction::Step(velocity) => {

@@ -17,7 +17,7 @@ use crate::walking_model::WalkingModel;
 use destinations::{destinations, targets_of, ways};
 use lemons_core::files::input;
 use lemons_core::plane::{Pose, Vec2, vec2};
-use lemons_core::trial::{Trial, Wall};
+use lemons_core::trial::{Ground, Trial, Wall};
 use lemons_fmi::fingerprint;
 pub use normalized::normalized;
 use std::fmt::Display;
@@ -79,6 +79,8 @@ pub struct Plan {
     pub walls: Vec<Vec<Vec2>>,
     /// Walls that open.
     pub doors: Vec<Wall>,
+    /// Slopes and stairs.
+    pub grounds: Vec<Ground>,
     /// Groups that stay together: places of their members in `agents`.
     pub groups: Vec<Vec<usize>>,
     /// Model of how people walk among others.
@@ -201,6 +203,7 @@ impl Plan {
             seed,
             walls,
             doors,
+            grounds: trial.geometry.grounds.clone(),
             groups,
             walking_model,
             balance,
@@ -269,6 +272,11 @@ impl Plan {
             }
         }
         later
+    }
+
+    /// Returns the slope or the stairs at a place \[m\].
+    pub(crate) fn ground_at(&self, place: Vec2) -> Option<&Ground> {
+        self.grounds.iter().find(|ground| ground.area.contains(place))
     }
 
     /// Returns whether somebody chooses an exit by more than where it is: by the expected time, by what is open, or with

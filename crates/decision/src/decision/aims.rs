@@ -98,8 +98,16 @@ impl Decision {
         self.aims.as_ref().map_or_else(|| self.find_aim(i).goes, |aims| aims[i].goes)
     }
 
-    /// Computes the aim of an agent at its present pose.
+    /// Computes the aim of an agent at its present pose. On slopes and stairs the speed is another one.
     pub(super) fn find_aim(&self, i: usize) -> Aim {
+        let mut aim = self.find_level_aim(i);
+        if let (Some((way, speed)), Some(ground)) = (&mut aim.goes, self.plan.ground_at(self.agents[i].at())) {
+            *speed *= ground.speed_factor(*way);
+        }
+        aim
+    }
+
+    fn find_level_aim(&self, i: usize) -> Aim {
         let (agent, destination, arrival) = (&self.agents[i], self.destination(i), self.arrival(i));
         let nowhere = Aim { arrival, goes: None, to_go: 0.0, to_door: false };
         if !self.has_started(i) || agent.waits() {

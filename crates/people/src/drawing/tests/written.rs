@@ -42,7 +42,7 @@ fn what_is_written_is_read_back() {
 fn well_known(walls: &[Vec<Vec2>]) -> String {
     let wall = |(id, wall): (usize, &Vec<Vec2>)| Wall::new(id.to_string(), "wood", wall.clone());
     let walls = walls.iter().enumerate().map(wall).collect();
-    write_plan(&FloorPlan::of_geometry(&Geometry { dimensions: None, walls }, Vec::new()), DrawingFormat::Wkt)
+    write_plan(&FloorPlan::of_geometry(&Geometry { walls, ..Geometry::default() }, Vec::new()), DrawingFormat::Wkt)
         .unwrap()
 }
 

@@ -1,0 +1,165 @@
+//! `<Ground>`: parts of the plan that are slopes or stairs.
+
+use crate::plane::{Ring, Vec2, rotation, vec2};
+use crate::trial::schema::{AttributeValue, Schema};
+use crate::trial::xml::Element;
+use crate::xml::quoted;
+
+/// \[m/s²\] g
+pub const GRAVITY: f64 = 9.81;
+/// \[rad\] No slope is steeper.
+const STEEPEST: f64 = 1.0;
+/// Most grounds of a Trial.
+pub(crate) const MOST_GROUNDS: usize = 1000;
+
+/// `<Ground>`: a slope or stairs. Lengths are those of the plan, not of the way up.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ground {
+    /// Id, unique among the grounds.
+    pub id: String,
+    /// \[m\] Where it is. Where two overlap, the first one in the file counts.
+    pub area: Ring,
+    /// \[rad\] `Downhill`: direction in which it falls.
+    pub downhill: f64,
+    /// How it falls.
+    pub fall: Fall,
+    /// `SpeedDown` and `SpeedUp`: factors of the speeds of who walks straight down and up; `None` if they follow
+    /// from the fall.
+    pub speeds: [Option<f64>; 2],
+}
+
+/// How a ground falls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fall {
+    /// A slope, on which feet do not hold all.
+    Slope {
+        /// \[rad\] `Angle`
+        angle: f64,
+        /// `Held`: share from 0 to 1 of the downhill force that the feet of everybody hold.
+        held: f64,
+    },
+    /// Stairs: who stands on a step stands on the level.
+    Stairs {
+        /// \[m\] `Riser`
+        riser: f64,
+        /// \[m\] `Tread`
+        tread: f64,
+    },
+}
+
+impl Ground {
+    /// Returns the unit vector downhill.
+    pub fn downhill(&self) -> Vec2 {
+        rotation(self.downhill) * vec2(1.0, 0.0)
+    }
+
+    /// \[m/s²\] Returns the acceleration downhill of who is not held further: (1 − held) g sin α.
+    pub fn pull(&self) -> Vec2 {
+        match self.fall {
+            Fall::Slope { angle, held } => self.downhill() * ((1.0 - held) * GRAVITY * libm::sin(angle)),
+            Fall::Stairs { .. } => Vec2::zeros(),
+        }
+    }
+
+    /// Returns whether it is stairs.
+    pub fn is_stairs(&self) -> bool {
+        matches!(self.fall, Fall::Stairs { .. })
+    }
+
+    /// Returns the factor of the speed in plan of who walks in a direction, a unit vector. Across, the ground is level.
+    pub fn speed_factor(&self, direction: Vec2) -> f64 {
+        let down = self.downhill().dot(&direction);
+        let side = usize::from(down < 0.0);
+        if let Some(own) = self.speeds[side] {
+            return 1.0 + (own - 1.0) * down.abs();
+        }
+        match self.fall {
+            Fall::Slope { angle, .. } => on_line(&UPHILL, -down * libm::tan(angle)),
+            Fall::Stairs { riser, tread } => {
+                let speeds = STAIRS.map(|(angle, speeds)| (angle, speeds[side]));
+                let straight = on_line(&speeds, libm::atan2(riser, tread)) / LEVEL_SPEED;
+                1.0 + (straight - 1.0) * down.abs()
+            }
+        }
+    }
+}
+
+/// Gradients uphill, and factors of the speed: Fruin, *Pedestrian Planning and Design* (1971), p. 41. No number for
+/// downhill is known to us: people walk as on the level.
+const UPHILL: [(f64, f64); 3] = [(0.05, 1.0), (0.10, 0.885), (0.20, 0.75)];
+
+/// Angles of stairs \[rad\], and horizontal speeds down and up \[m/s\]: means of the two stairs of Fruin's table 3-B, p. 56.
+const STAIRS: [(f64, [f64; 2]); 2] = [(0.4636, [0.77, 0.57]), (0.5567, [0.67, 0.51])];
+/// \[m/s\] Mean speed on the level, to which they are compared (Weidmann 1993).
+const LEVEL_SPEED: f64 = 1.34;
+
+/// Returns the value at x on a polyline; outside, that of its end.
+fn on_line(points: &[(f64, f64)], x: f64) -> f64 {
+    let after = points.partition_point(|point| point.0 < x);
+    match (after.checked_sub(1).map(|before| points[before]), points.get(after)) {
+        (Some((x0, y0)), Some(&(x1, y1))) => y0 + (y1 - y0) * (x - x0) / (x1 - x0),
+        (Some((_, y)), None) | (None, Some(&(_, y))) => y,
+        (None, None) => 1.0,
+    }
+}
+
+pub(crate) static GROUND: Schema = Schema {
+    name: "Ground",
+    attributes: &[
+        ("Id", AttributeValue::Id),
+        ("Downhill", AttributeValue::Number),
+        ("Angle", AttributeValue::NotNegative),
+        ("Held", AttributeValue::Share),
+        ("Riser", AttributeValue::Positive),
+        ("Tread", AttributeValue::Positive),
+        ("SpeedDown", AttributeValue::Positive),
+        ("SpeedUp", AttributeValue::Positive),
+    ],
+    children: &[&super::geometry::CORNER],
+};
+
+/// Reads a ground with an Id and corners.
+pub(crate) fn read(element: Element<'_>, id: String, corners: Vec<Vec2>) -> Option<Ground> {
+    let given = |attribute: &str| element.node.has(attribute).then(|| element.number(attribute));
+    let downhill = element.number("Downhill");
+    let speeds = [given("SpeedDown"), given("SpeedUp")];
+    let [angle, held, riser, tread] = ["Angle", "Held", "Riser", "Tread"].map(given);
+    let fall = match (angle, held, riser, tread) {
+        (Some(angle), Some(held), None, None) => {
+            if angle > STEEPEST {
+                element.wrong("Angle", format!("must be at most {STEEPEST} rad"));
+            }
+            Fall::Slope { angle, held }
+        }
+        (None, None, Some(riser), Some(tread)) => {
+            if riser > tread * libm::tan(STEEPEST) {
+                element.wrong("Riser", format!("must be steeper by no more than {STEEPEST} rad"));
+            }
+            Fall::Stairs { riser, tread }
+        }
+        _ => {
+            let id = quoted(&id);
+            element.error(format!(
+                "ground {id} needs Angle and Held, of a slope, or Riser and Tread, of stairs"
+            ));
+            return None;
+        }
+    };
+    let area = Ring::through(corners)?;
+    if area.corners().len() >= 3 && area.area() == 0.0 {
+        element.error(format!("ground {} has no area", quoted(&id)));
+    }
+    if !area.is_simple() {
+        element.error(format!("the rim of ground {} crosses itself", quoted(&id)));
+    }
+    Some(Ground { id, area, downhill, fall, speeds })
+}
+
+pub(crate) fn values(ground: &Ground) -> [Option<f64>; 7] {
+    let [down, up] = ground.speeds;
+    let downhill = Some(ground.downhill);
+    match ground.fall {
+        Fall::Slope { angle, held } => [downhill, Some(angle), Some(held), None, None, down, up],
+        Fall::Stairs { riser, tread } => [downhill, None, None, Some(riser), Some(tread), down, up],
+    }
+}
