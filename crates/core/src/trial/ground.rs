@@ -1,6 +1,7 @@
 //! `<Ground>`: parts of the plan that are slopes or stairs.
 
 use crate::plane::{Ring, Vec2, rotation, vec2};
+use crate::require;
 use crate::trial::schema::{AttributeValue, Schema};
 use crate::trial::xml::Element;
 use crate::xml::quoted;
@@ -48,6 +49,30 @@ pub enum Fall {
 }
 
 impl Ground {
+    /// Checks its area and how steep it is.
+    ///
+    /// # Errors
+    /// A sentence: what is wrong.
+    pub fn check(&self) -> Result<(), String> {
+        let few = self.area.corners().len() < 3;
+        require(!few && self.area.area() > 0.0, || "has no area".to_owned())?;
+        require(self.area.is_simple(), || "its rim crosses itself".to_owned())?;
+        let angle = match self.fall {
+            Fall::Slope { angle, held } => {
+                require((0.0..=1.0).contains(&held), || format!("held = {held}: must be from 0 to 1"))?;
+                angle
+            }
+            Fall::Stairs { riser, tread } => libm::atan2(riser, tread),
+        };
+        require((0.0..=STEEPEST).contains(&angle), || {
+            format!("falls by an angle of {angle} rad: must be from 0 to {STEEPEST} rad")
+        })?;
+        let speeds = self.speeds.iter().flatten();
+        require(speeds.clone().all(|factor| (0.01..=10.0).contains(factor)), || {
+            "factors of speeds must be from 0.01 to 10".to_owned()
+        })
+    }
+
     /// Returns the unit vector downhill.
     pub fn downhill(&self) -> Vec2 {
         rotation(self.downhill) * vec2(1.0, 0.0)
@@ -123,36 +148,21 @@ pub(crate) fn read(element: Element<'_>, id: String, corners: Vec<Vec2>) -> Opti
     let given = |attribute: &str| element.node.has(attribute).then(|| element.number(attribute));
     let downhill = element.number("Downhill");
     let speeds = [given("SpeedDown"), given("SpeedUp")];
-    let [angle, held, riser, tread] = ["Angle", "Held", "Riser", "Tread"].map(given);
-    let fall = match (angle, held, riser, tread) {
-        (Some(angle), Some(held), None, None) => {
-            if angle > STEEPEST {
-                element.wrong("Angle", format!("must be at most {STEEPEST} rad"));
-            }
-            Fall::Slope { angle, held }
-        }
-        (None, None, Some(riser), Some(tread)) => {
-            if riser > tread * libm::tan(STEEPEST) {
-                element.wrong("Riser", format!("must be steeper by no more than {STEEPEST} rad"));
-            }
-            Fall::Stairs { riser, tread }
-        }
+    let name = quoted(&id);
+    let fall = match ["Angle", "Held", "Riser", "Tread"].map(given) {
+        [Some(angle), Some(held), None, None] => Fall::Slope { angle, held },
+        [None, None, Some(riser), Some(tread)] => Fall::Stairs { riser, tread },
         _ => {
-            let id = quoted(&id);
-            element.error(format!(
-                "ground {id} needs Angle and Held, of a slope, or Riser and Tread, of stairs"
-            ));
+            let needs = "needs Angle and Held, of a slope, or Riser and Tread, of stairs";
+            element.error(format!("ground {name} {needs}"));
             return None;
         }
     };
-    let area = Ring::through(corners)?;
-    if area.corners().len() >= 3 && area.area() == 0.0 {
-        element.error(format!("ground {} has no area", quoted(&id)));
+    let ground = Ground { id, area: Ring::through(corners)?, downhill, fall, speeds };
+    if let Err(why) = ground.check() {
+        element.error(format!("ground {}: {why}", quoted(&ground.id)));
     }
-    if !area.is_simple() {
-        element.error(format!("the rim of ground {} crosses itself", quoted(&id)));
-    }
-    Some(Ground { id, area, downhill, fall, speeds })
+    Some(ground)
 }
 
 pub(crate) fn values(ground: &Ground) -> [Option<f64>; 7] {
