@@ -9,7 +9,7 @@ use lemons_core::message::{Message, message};
 use lemons_core::plane::{InPlane, Motion, Pose, Twist};
 use lemons_core::rule::sentences::*;
 use lemons_core::trial::{
-    Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Link, Material, Passage,
+    Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Link, LinkPassage, Material,
     ShapeElement, Wall, WallInteraction, pairs_that_touch, stiffness,
 };
 use std::collections::{HashMap, HashSet};
@@ -202,7 +202,6 @@ impl Setup<'_> {
     /// # Errors
     /// Too many agents are at one place.
     pub fn open_and_close(&self, time: f64, world: &mut World) -> Result<(), WorldError> {
-        self.carry_over_links(world)?;
         if self.geometry.walls.iter().all(|wall| wall.open.is_none()) {
             return Ok(());
         }
@@ -216,9 +215,13 @@ impl Setup<'_> {
         world.set_present_walls(&present).map_err(|crowded| self.too_crowded(crowded))
     }
 
-    /// Moves who has walked over a link to its other side, if there is room; else they wait.
-    fn carry_over_links(&self, world: &mut World) -> Result<(), WorldError> {
-        let passages: Vec<Passage> = self.geometry.links.iter().flat_map(Link::passages).collect();
+    /// Moves who has walked over a link to its other side, if there is room; else they wait. It is the end of a step: who
+    /// decides sees people where they are in the next one.
+    ///
+    /// # Errors
+    /// Too many agents are at one place.
+    pub fn carry_over_links(&self, world: &mut World) -> Result<(), WorldError> {
+        let passages: Vec<LinkPassage> = self.geometry.links.iter().flat_map(Link::passages).collect();
         if passages.is_empty() {
             return Ok(());
         }

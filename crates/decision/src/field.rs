@@ -11,7 +11,7 @@ use crate::error::PlanError;
 use lemons_core::plane::{
     Bounds, InPlane, Motion, Pose, Ring, Vec2, nearest_on_segment, segments_touch, vec2,
 };
-use lemons_core::trial::Passage;
+use lemons_core::trial::LinkPassage;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
@@ -150,7 +150,7 @@ impl Grid {
     }
 
     /// Joins the nodes in the strips behind lines to those where people are carried from there.
-    pub fn with_passages(mut self, passages: impl Iterator<Item = Passage>) -> Grid {
+    pub fn with_passages(mut self, passages: impl Iterator<Item = LinkPassage>) -> Grid {
         for passage in passages {
             let strip = Bounds::of(passage.strip()).expect("four points");
             for node in self.nodes_in(strip) {

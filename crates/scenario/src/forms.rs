@@ -3,7 +3,7 @@
 use crate::error::{Result, impossible, require, within};
 use crate::range;
 use lemons_core::plane::{Ring, Vec2};
-use lemons_core::trial::{FARTHEST, Fall, Ground, Link, OpeningTimes};
+use lemons_core::trial::{FARTHEST, Ground, Incline, Link, OpeningTimes};
 use lemons_people::Door;
 use lemons_people::drawing::{DEVIATION, Enclosing, PlanSettings, Reading, WIDEST_DOOR};
 use serde::{Deserialize, Serialize};
@@ -142,11 +142,11 @@ impl GroundForm {
     /// Returns the ground of a place in the list.
     pub(crate) fn ground(&self, k: usize) -> Result<Ground> {
         let wrong = |why: String| impossible(format!("`grounds`: ground {k}: {why}"));
-        let fall = match (self.angle, self.held, self.riser, self.tread) {
+        let incline = match (self.angle, self.held, self.riser, self.tread) {
             (Some(angle), held, None, None) => {
-                Fall::Slope { angle: angle.to_radians(), held: held.unwrap_or(USUALLY_HELD) }
+                Incline::Slope { angle: angle.to_radians(), held: held.unwrap_or(USUALLY_HELD) }
             }
-            (None, None, Some(riser), Some(tread)) => Fall::Stairs { riser, tread },
+            (None, None, Some(riser), Some(tread)) => Incline::Stairs { riser, tread },
             _ => return Err(wrong("give an angle, of a slope, or riser and tread, of stairs".into())),
         };
         let area = Ring::through(self.corners.iter().map(|corner| corner.0.into()).collect());
@@ -154,7 +154,7 @@ impl GroundForm {
             id: k.to_string(),
             area: area.ok_or_else(|| wrong("has no corners".into()))?,
             downhill: self.downhill.to_radians(),
-            fall,
+            incline,
             speeds: [self.speed_down, self.speed_up],
         };
         ground.check().map_err(wrong)?;

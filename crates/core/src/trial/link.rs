@@ -36,20 +36,20 @@ impl Link {
     }
 
     /// Returns both ways over it.
-    pub fn passages(&self) -> [Passage; 2] {
+    pub fn passages(&self) -> [LinkPassage; 2] {
         let [here, there] = self.lines;
-        [Passage { from: here, to: there }, Passage { from: there, to: here }]
+        [LinkPassage { from: here, to: there }, LinkPassage { from: there, to: here }]
     }
 }
 
 /// A way over a link, from a line to a line \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Passage {
+pub struct LinkPassage {
     from: [Vec2; 2],
     to: [Vec2; 2],
 }
 
-impl Passage {
+impl LinkPassage {
     /// Returns whether a place \[m\] is in the strip behind the line.
     pub fn is_beyond(&self, place: Vec2) -> bool {
         let [start, end] = self.from;
