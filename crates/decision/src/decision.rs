@@ -21,6 +21,7 @@ mod groups;
 mod lean;
 mod legs;
 pub mod quantities;
+mod sources;
 
 use aims::Aim;
 pub use fmi::SavedDecision;
@@ -47,6 +48,8 @@ pub struct AgentState {
     walker: Walker,
     /// Index of the next way-point. It is updated by steps: a way-point that was reached stays reached.
     next: usize,
+    /// Whether it has come: it is of no source, or its source has let it in.
+    came: bool,
     /// Whether the agent has left by an exit, at the last step or before.
     left: bool,
     /// \[s\] How long it has waited at the next way-point.
@@ -103,7 +106,7 @@ fn is_due(at: f64, before: f64, now: f64) -> bool {
 pub struct Act {
     /// Its force and torque.
     pub drive: Propulsion,
-    /// Whether it is there: it has not left by an exit.
+    /// Whether it is there: it has come, and has not left by an exit.
     pub active: bool,
 }
 
@@ -142,6 +145,7 @@ impl Decision {
             velocity: Vec2::zeros(),
             walker: agent.walker.clone(),
             next: 0,
+            came: true,
             left: false,
             waited: 0.0,
             last: None,
@@ -157,7 +161,9 @@ impl Decision {
         let fingerprint = plan.fingerprint;
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
         let most_waypoints = most.unwrap_or(0).max(1);
-        let agents = agents.collect();
+        let mut agents: Vec<AgentState> = agents.collect();
+        let late = plan.sources.iter().flat_map(|source| &source.people);
+        late.for_each(|(i, _)| agents[*i].came = false);
         let mut groups = vec![None; plan.agents.len()];
         for (group, members) in plan.groups.iter().enumerate() {
             members.iter().for_each(|&i| groups[i] = Some(group));
@@ -204,8 +210,7 @@ impl Decision {
         self.find_aims();
         let mut acts = Vec::with_capacity(self.agents.len());
         for i in 0..self.agents.len() {
-            let active = self.arrival(i) != Some(Arrival::Leaves);
-            acts.push(Act { drive: self.drive(i)?, active });
+            acts.push(Act { drive: self.drive(i)?, active: !self.is_away(i) });
         }
         Ok(acts)
     }
@@ -252,11 +257,12 @@ impl Decision {
             }
             let waits = agent.waits();
             let waited = if next == agent.next { agent.waited } else { 0.0 };
-            (agent.next, agent.left, agent.last) = (next, leaves, Some(at));
+            (agent.next, agent.left, agent.last) = (next, leaves, agent.came.then_some(at));
             agent.waited = if waits { waited + step } else { waited };
             goes_on |= waits && !agent.waits();
         }
         (self.aims, self.leans) = (None, None);
+        goes_on |= self.let_in(step);
         self.choose_exits(step);
         let before = self.time;
         self.time += step;
@@ -281,9 +287,12 @@ impl Decision {
     /// Those of [`Decision::acts`].
     pub fn arrived(&mut self) -> Answer<usize> {
         self.find_ways()?;
-        let arrived = |i: &usize| match self.plan.agents[*i].destination {
-            Destination::None => self.agents[*i].next() == self.agents[*i].walker.waypoints.len(),
-            _ => self.arrival(*i).is_some(),
+        let arrived = |i: &usize| {
+            self.agents[*i].came
+                && match self.plan.agents[*i].destination {
+                    Destination::None => self.agents[*i].next() == self.agents[*i].walker.waypoints.len(),
+                    _ => self.arrival(*i).is_some(),
+                }
         };
         Ok((0..self.agents.len()).filter(arrived).count())
     }
@@ -350,9 +359,9 @@ impl Decision {
         Ok(walker.towards(*pose, velocity, force, facing))
     }
 
-    /// An agent as others see it; `None` if it has left.
+    /// An agent as others see it; `None` if it is away.
     fn walking(&self, i: usize) -> Option<Walking<'_>> {
-        if self.arrival(i) == Some(Arrival::Leaves) {
+        if self.is_away(i) {
             return None;
         }
         let agent = &self.agents[i];

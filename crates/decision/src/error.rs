@@ -63,6 +63,12 @@ pub enum PlanError {
     WaysAndWaypoints,
     #[error("ways: give a `share` for each or for none")]
     SomeWayShares,
+    #[error("{place}: give `rate`, `every` or `times`, one of the three")]
+    WhenOfSource { place: String },
+    #[error("{place}: people: {id:?}: {problem}")]
+    OfSource { place: String, id: String, problem: &'static str },
+    #[error("{place}: the name {name:?} is that of another source")]
+    SameSource { place: String, name: String },
     #[error("groups: members[{group}]: {id:?}: {problem}")]
     Member { group: usize, id: String, problem: &'static str },
     #[error("groups: members[{group}] has {count} members; a group has 2 to {MOST_MEMBERS}")]

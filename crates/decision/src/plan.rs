@@ -11,6 +11,7 @@ use crate::error::{PlanError, moderate};
 use crate::exit_choice::ExitChoice;
 use crate::queue::QueueConfig;
 use crate::rule::{Motivation, UNLIMITED, Walker, Waypoint, usual_stature};
+use crate::source::{Source, reach, sources};
 use crate::stuck::normal;
 use crate::target::{Destination, Target, Ways};
 use crate::walking_model::WalkingModel;
@@ -20,6 +21,7 @@ use lemons_core::plane::{Pose, Vec2, vec2};
 use lemons_core::trial::{Trial, Wall};
 use lemons_fmi::fingerprint;
 pub use normalized::normalized;
+use std::collections::HashSet;
 use std::fmt::Display;
 use std::path::Path;
 
@@ -55,7 +57,7 @@ impl Planned {
 
     /// \[m\] Returns how far the body reaches from its centre of mass.
     pub fn radius(&self) -> f64 {
-        self.disks.iter().map(|&[x, y, radius]| vec2(x, y).norm() + radius).fold(0.0, f64::max)
+        reach(&self.disks)
     }
 
     /// \[m\] Returns the depth of the body along the gaze.
@@ -91,6 +93,8 @@ pub struct Plan {
     pub exit_choice: ExitChoice,
     /// Changes of everybody's motivation during the run.
     pub motivation: Vec<Motivation>,
+    /// Who comes later.
+    pub sources: Vec<Source>,
     /// Exits and goals.
     pub targets: Vec<Target>,
     /// People in the order of Agents.xml; at least one.
@@ -144,7 +148,11 @@ impl Plan {
         let doors: Vec<Wall> =
             trial.geometry.walls.iter().filter(|wall| wall.open.is_some()).cloned().collect();
         let queue = config.queue.filter(|queue| !queue.is_idle());
-        let bodies = walking_model.sees_others() || !doors.is_empty() || queue.is_some();
+        let sources = sources(trial, &config.sources, seed)?;
+        let late: HashSet<usize> =
+            sources.iter().flat_map(|source| source.people.iter().map(|(i, _)| *i)).collect();
+        let bodies =
+            walking_model.sees_others() || !doors.is_empty() || queue.is_some() || !sources.is_empty();
         let push = |i: usize| {
             let drawn = |deviation: f64| deviation * normal(seed, i as u64, PUSH_DRAW);
             let push = config.push.unwrap_or(UNLIMITED);
@@ -176,9 +184,10 @@ impl Plan {
                     desired_speed: own.desired_speed.unwrap_or_else(|| {
                         config.desired_speed.map_or(DEFAULT_SPEED, |speed| speed.of(seed, i, SPEED_DRAW))
                     }),
-                    start: own
-                        .start
-                        .unwrap_or_else(|| config.start.map_or(0.0, |start| start.of(seed, i, START_DRAW))),
+                    start: own.start.unwrap_or_else(|| {
+                        let start = config.start.filter(|_| !late.contains(&i));
+                        start.map_or(0.0, |start| start.of(seed, i, START_DRAW))
+                    }),
                     time_gap: own.time_gap.unwrap_or(walking_model.time_gap()),
                     standstill_gap: own.standstill_gap.unwrap_or(walking_model.standstill_gap()),
                     reaction_time: own.reaction_time.unwrap_or(walking_model.reaction_time()),
@@ -207,6 +216,7 @@ impl Plan {
             queue: queue.map(|queue| (queue, config.pendulum.unwrap_or_default())),
             exit_choice,
             motivation,
+            sources,
             targets,
             agents,
         };

@@ -10,6 +10,7 @@ mod leave;
 mod people;
 mod place;
 mod push;
+mod source;
 
 pub use error::{ALL as SENTENCES, Result, ScenarioError, with_names};
 pub use forms::{DoorForm, DrawingForm, OrientationName, RegionForm, Share, TwoNumbers};
@@ -17,6 +18,7 @@ pub use leave::own_speeds;
 pub use people::{Crowd, Four, People, Ready, round};
 pub use place::{Ground, WalkableRoom};
 pub use push::{Push, drive};
+pub use source::SourceForm;
 
 use error::{Of, ROUND, fits, impossible, require, within};
 use lemons_core::files::source::FileSource;
@@ -76,6 +78,8 @@ pub struct Scenario {
     pub doors: Vec<DoorForm>,
     /// Places where people stand; without one, in the whole room, or on the distributions of a drawing.
     pub regions: Vec<RegionForm>,
+    /// People who come later.
+    pub sources: Vec<SourceForm>,
     /// Number of people.
     pub number: Option<u32>,
     /// \[1/m²\] Density of people, instead of their number.
@@ -287,7 +291,7 @@ impl Scenario {
     /// # Errors
     /// A value is not possible, or does not fit to others; keys are between backticks.
     pub fn check(&self) -> Result<()> {
-        let Scenario { sides, geometry, room, doors, regions, pushes, .. } = self;
+        let Scenario { sides, geometry, room, doors, regions, sources, pushes, .. } = self;
         let rooms = [("box", sides.is_some()), ("geometry", geometry.is_some()), ("room", room.is_some())];
         let given: Vec<_> = rooms.iter().filter(|(_, given)| *given).map(|(key, _)| key).collect();
         fits(given.len() < 2, || format!("`{}` and `{}`: a scenario has one room", given[0], given[1]))?;
@@ -297,11 +301,17 @@ impl Scenario {
         self.drawing.check()?;
         doors.iter().try_for_each(DoorForm::check)?;
         regions.iter().enumerate().try_for_each(|(k, region)| region.check(k))?;
+        sources.iter().enumerate().try_for_each(|(k, source)| source.check(k))?;
         require(SKINS.contains(&self.material()), || {
             format!("`material` = {:?}: must be one of {}", self.material(), SKINS.join(", "))
         })?;
         require(!self.round || self.mix.is_empty(), || message!(ROUND))?;
-        for (key, count) in [("doors", doors.len()), ("regions", regions.len()), ("pushes", pushes.len())] {
+        for (key, count) in [
+            ("doors", doors.len()),
+            ("regions", regions.len()),
+            ("sources", sources.len()),
+            ("pushes", pushes.len()),
+        ] {
             require(count <= MOST_PARTS, || format!("`{key}`: {count} are more than {MOST_PARTS}"))?;
         }
         let of_room = room.iter().flat_map(Room::every_corner).copied();

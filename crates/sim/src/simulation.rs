@@ -120,7 +120,11 @@ impl Simulation {
     /// # Errors
     /// None of documents that were read and checked.
     pub fn new(documents: Documents, algorithm: Algorithm) -> Result<Simulation, SimError> {
-        let Documents { trial, drive, plan } = documents;
+        let Documents { mut trial, drive, plan } = documents;
+        // Also where the Trial does not say it.
+        for (i, _) in plan.iter().flat_map(|plan| &plan.sources).flat_map(|source| &source.people) {
+            trial.dynamics[*i].absent = true;
+        }
         let ids = trial.agents.iter().map(|agent| agent.id.clone()).collect();
         let (played, added) = match &plan {
             None => (drive, DriveTable::default()),
@@ -288,6 +292,7 @@ impl Simulation {
             place: format!("t = {:?} s", self.time),
             ..Frame::default()
         }
+        .with_outside(self.trial())
     }
 
     /// Returns the state at the present communication point, as bytes.

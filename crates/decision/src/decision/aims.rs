@@ -66,6 +66,9 @@ impl Decision {
         if agent.left {
             return Some(Arrival::Leaves);
         }
+        if !agent.came {
+            return None;
+        }
         let there = agent.next() == agent.walker.waypoints.len();
         let open = |k: usize| self.plan.targets[k].is_open(self.time);
         self.ways().filter(|_| there)?.arrived(
@@ -77,10 +80,16 @@ impl Decision {
         )
     }
 
+    /// Returns whether an agent is not there: it has not come yet, or has left.
+    pub(super) fn is_away(&self, i: usize) -> bool {
+        !self.agents[i].came || self.arrival(i) == Some(Arrival::Leaves)
+    }
+
     /// Returns whether an agent walks by now; a group starts when the last one of it does. A rounding error is not a time.
     pub(super) fn has_started(&self, i: usize) -> bool {
         let starts = |i: usize| self.time >= self.agents[i].walker.start - 1e-9;
-        self.group(i).map_or_else(|| starts(i), |group| group.iter().all(|&j| starts(j)))
+        self.agents[i].came
+            && self.group(i).map_or_else(|| starts(i), |group| group.iter().all(|&j| starts(j)))
     }
 
     /// Destination of an agent: the exit that it has chosen, if it chooses one.

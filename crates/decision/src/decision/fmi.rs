@@ -4,7 +4,6 @@ use super::quantities::{self, DecisionQuantity};
 use super::{AgentState, Decision};
 use crate::config::DECISION_FILE;
 use crate::plan::Plan;
-use crate::target::Arrival;
 use crate::walking_model::DesiredMotion;
 use lemons_core::plane::InPlane;
 use lemons_fmi::location::Location;
@@ -40,7 +39,7 @@ impl Model for Decision {
     const DESCRIPTION: &'static str =
         "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 10;
+    const STATE_VERSION: u32 = 11;
     const SIZES: &'static [Size] = &quantities::SIZES;
     const VARIABLES: &'static [Variable<DecisionQuantity>] = &quantities::QUANTITIES;
 
@@ -81,7 +80,7 @@ impl Model for Decision {
             DecisionQuantity::Mp => finite(i, "Mp", self.drive(i)?.torque)?,
             DecisionQuantity::Active => {
                 self.find_ways()?;
-                f64::from(self.arrival(i) != Some(Arrival::Leaves))
+                f64::from(!self.is_away(i))
             }
             DecisionQuantity::Arrived => self.arrived()? as f64,
             DecisionQuantity::NextWaypoint => self.agents[i].next() as f64,
