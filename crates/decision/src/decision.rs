@@ -50,8 +50,9 @@ pub struct AgentState {
     next: usize,
     /// Whether it has come: it is of no source, or its source has let it in.
     came: bool,
-    /// Whether the agent has left by an exit, at the last step or before.
+    /// Whether the agent has left by an exit, at the last step or before, and by which.
     left: bool,
+    by: Option<usize>,
     /// \[s\] How long it has waited at the next way-point.
     waited: f64,
     /// \[m\] Where the agent was at the last step.
@@ -131,6 +132,8 @@ pub struct Decision {
     wanted: Option<Vec<DesiredMotion>>,
     /// Arrivals and directions of all agents at their present poses, if they were computed.
     aims: Option<Vec<Aim>>,
+    /// How many have left by each target.
+    passed: Vec<usize>,
     /// Legs of all agents at their present poses, if they were computed; `None` inside for who has left.
     legs: Option<Vec<Option<Legs>>>,
     /// How people lean on those in front at their present poses, if it was computed.
@@ -147,6 +150,7 @@ impl Decision {
             next: 0,
             came: true,
             left: false,
+            by: None,
             waited: 0.0,
             last: None,
             stuck: StuckState::default(),
@@ -174,6 +178,7 @@ impl Decision {
         Decision {
             agents,
             time: 0.0,
+            passed: vec![0; plan.targets.len()],
             plan,
             fingerprint,
             most_waypoints,
@@ -225,10 +230,15 @@ impl Decision {
         let (seed, speed_noise) = (self.plan.seed, self.plan.walking_model.speed_noise());
         let (turned, kept) = (-libm::expm1(-step / STEERING_TIME), libm::exp(-step / NOISE_TIME));
         self.pass_legs(step);
-        let mut goes_on = false;
+        let (mut goes_on, mut gone) = (false, Vec::new());
         for i in 0..self.agents.len() {
             let arrival = self.arrival(i);
             let leaves = arrival == Some(Arrival::Leaves);
+            if let (true, None) = (leaves, self.agents[i].by) {
+                let by = self.reached(i);
+                self.agents[i].by = by;
+                gone.extend(by);
+            }
             // Who is at a goal is not stuck there.
             let goes = self.goes(i).filter(|_| arrival.is_none());
             let sees = self.plan.walking_model.sees_others();
@@ -262,6 +272,7 @@ impl Decision {
             goes_on |= waits && !agent.waits();
         }
         (self.aims, self.leans) = (None, None);
+        gone.into_iter().for_each(|by| self.passed[by] += 1);
         goes_on |= self.let_in(step);
         self.choose_exits(step);
         let before = self.time;
@@ -351,7 +362,7 @@ impl Decision {
             }
             return Ok(drive);
         }
-        if !self.plan.groups.is_empty() {
+        if !self.plan.groups.is_empty() || self.plan.counts() {
             self.find_aims();
         }
         let DesiredMotion { velocity, force, facing, .. } = self.intent(i);

@@ -57,8 +57,8 @@ pub enum PlanError {
         "{place}: open = {value}: must not be shorter than the time step of {step} s: it may never be open"
     )]
     ShortOpen { place: String, value: String, step: String },
-    #[error("{place}: open: only exits have it: nobody leaves by a goal")]
-    OpenGoal { place: String },
+    #[error("{place}: {key}: only exits have it: nobody leaves by a goal")]
+    OpenGoal { place: String, key: &'static str },
     #[error("ways: give `ways` or `waypoints` for everybody, one of the two")]
     WaysAndWaypoints,
     #[error("ways: give a `share` for each or for none")]

@@ -293,7 +293,12 @@ impl Plan {
         let exits = self.targets.iter().filter(|target| !target.stay).count();
         !self.groups.is_empty()
             || exits > 1 && !self.doors.is_empty()
-            || self.targets.iter().any(|target| target.open.is_some())
+            || self.targets.iter().any(|target| target.open.is_some() || target.most.is_some())
+    }
+
+    /// Returns whether an exit closes after some people.
+    pub(crate) fn counts(&self) -> bool {
+        self.targets.iter().any(|target| target.most.is_some())
     }
 
     /// Returns whether an exit or a door opens or closes between two times \[s\].

@@ -80,6 +80,9 @@ impl Model for Decision {
             DecisionQuantity::Mp => finite(i, "Mp", self.drive(i)?.torque)?,
             DecisionQuantity::Active => {
                 self.find_ways()?;
+                if self.plan.counts() {
+                    self.find_aims();
+                }
                 f64::from(!self.is_away(i))
             }
             DecisionQuantity::Arrived => self.arrived()? as f64,
@@ -166,7 +169,9 @@ impl Model for Decision {
                 .all(|number| number.is_finite());
             let exit =
                 a.choice.exit.is_none_or(|k| self.plan.targets.get(k).is_some_and(|target| !target.stay));
-            exit && a.walker.waypoints.len() == count
+            a.by.is_none_or(|by| by < self.plan.targets.len())
+                && exit
+                && a.walker.waypoints.len() == count
                 && a.next <= count
                 && last
                 && own
@@ -190,6 +195,8 @@ impl Model for Decision {
             }
         }
         (self.agents, self.time) = (restored.agents, *time);
+        self.passed.fill(0);
+        self.agents.iter().filter_map(|agent| agent.by).for_each(|by| self.passed[by] += 1);
         self.forget();
         self.wanted.clone_from(wanted);
         Ok(())

@@ -50,7 +50,7 @@ impl Decision {
     /// Decides who stands, unless that was done at these poses.
     pub(super) fn decide_legs(&mut self, balance: &BalanceModel) {
         if self.legs.is_none() {
-            if !self.plan.groups.is_empty() {
+            if !self.plan.groups.is_empty() || self.plan.counts() {
                 self.find_aims();
             }
             self.legs = Some((0..self.agents.len()).map(|i| self.decided_legs(i, balance)).collect());

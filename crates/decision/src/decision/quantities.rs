@@ -210,8 +210,9 @@ impl Decision {
 
     /// Returns whether an output depends on the inputs of all agents.
     fn needs_all(&self, output: DecisionQuantity) -> bool {
-        let groups = !self.plan.groups.is_empty();
+        let groups = !self.plan.groups.is_empty() || self.plan.counts();
         match output {
+            DecisionQuantity::Active => self.plan.counts(),
             DecisionQuantity::Fp => {
                 groups || self.plan.walking_model.sees_others() || self.plan.queue.is_some()
             }

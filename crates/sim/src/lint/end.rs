@@ -45,7 +45,7 @@ impl RunEnd {
     /// Finds that the last person left by one exit much later than by another, or nobody by that.
     fn uneven(&self, plan: &Plan) -> Option<Message> {
         // Those that are closed at times are used unevenly.
-        if plan.targets.iter().any(|exit| exit.open.is_some()) {
+        if plan.targets.iter().any(|exit| exit.open.is_some() || exit.most.is_some()) {
             return None;
         }
         // \[s\] With the names; 0 where nobody has left.
