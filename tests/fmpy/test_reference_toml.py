@@ -120,6 +120,7 @@ class DecisionReader(Reader):
         "Groups": lambda file: file.setdefault("groups", {}),
         "queue": lambda file: file.setdefault("queue", {}),
         "An exit or a goal": lambda file: file["exits"][0],
+        "A source": lambda file: file["sources"][0],
         "[agents.ID]": lambda file: file["agents"]["0"],
     }
     # Tables of constants, by the keys that choose them.
@@ -138,6 +139,8 @@ class DecisionReader(Reader):
                 file[chooses] = table
         for exit in file["exits"] if (heading, key) == ("An exit or a goal", "share") else []:
             exit["share"] = 1
+        if heading == "A source":
+            file["sources"] = [{"people": ["1"], "rate": 1.0}, {"name": "back", "people": ["7"], "rate": 1.0}]
         if key == "push_time":
             file["queue"] = {"push": 100.0}
         if key == "push_sd":
@@ -238,6 +241,7 @@ class ScenarioReader(Reader):
     PLACES = {
         "The file": lambda file: file,
         "A region": lambda file: file["regions"][0],
+        "A source": lambda file: file["sources"][0],
         "How a drawing is read": lambda file: file["drawing"],
         "A push": lambda file: file["pushes"][0],
     }
@@ -248,6 +252,12 @@ class ScenarioReader(Reader):
             # One of them takes the others.
             left, right = ([[a, 0], [b, 0], [b, 5], [a, 5]] for a, b in [(0, 3), (3, 5)])
             file["regions"] = [{"corners": left}, {"corners": right}]
+        if heading == "A source":
+            source = {"line": [[1.0, 1.0], [1.0, 4.0]], "number": 2, "rate": 1.0}
+            file["sources"] = [source, source | {"name": "back"}]
+            file["decision"] = {"goals": [{"name": "stage", "line": [[3, 3], [4, 3]]}]}
+            if key == "times":
+                del source["number"]
         if heading == "A push":
             file["pushes"] = [dict(self.PUSH)]
         if key in ("box", "geometry", "room"):
@@ -263,7 +273,7 @@ class ScenarioReader(Reader):
 
 READERS = {DECISION: DecisionReader, SWEEP: SweepReader, SCENARIO: ScenarioReader}
 # Of these two, one must be there, and the other must not.
-EITHER = [("number", "density"), ("line", "polygon"), ("trial", "fmu"), ("parameters", "table"), ("at_least", "at_most")]
+EITHER = [("number", "density"), ("rate", "every"), ("rate", "times"), ("every", "times"), ("number", "times"), ("line", "polygon"), ("trial", "fmu"), ("parameters", "table"), ("at_least", "at_most")]
 NOT_BOTH = [*EITHER, ("exit", "goal"), ("trial", "population"), ("fmu", "population"), ("trial", "scenario"), ("box", "geometry"), ("box", "room")]
 
 

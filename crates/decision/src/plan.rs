@@ -242,9 +242,19 @@ impl Plan {
 
     /// Returns settings for who goes on from a time \[s\] of a run, with a clock that begins anew: exits open and close as
     /// much earlier, people start so, too, and motivation changes so. Groups are those of the plan, and motivation that has
-    /// changed stays so.
-    pub fn going_on(&self, config: &DecisionConfig, time: f64) -> DecisionConfig {
+    /// changed stays so. Of a source, those come who are not there in the Trial of then.
+    pub fn going_on(&self, config: &DecisionConfig, time: f64, trial: &Trial) -> DecisionConfig {
         let mut later = config.clone();
+        let people = trial.agents.iter().zip(&trial.dynamics);
+        let outside: HashSet<&str> =
+            people.filter(|(_, own)| own.absent).map(|(person, _)| &*person.id).collect();
+        for (source, plan) in later.sources.iter_mut().zip(&self.sources) {
+            source.people.retain(|id| outside.contains(&**id));
+            let left = plan.times.len() - source.people.len();
+            source.times = Some(plan.times[left..].iter().map(|due| (due - time).max(0.0)).collect());
+            (source.rate, source.every, source.start) = (None, None, None);
+        }
+        later.sources.retain(|source| !source.people.is_empty());
         for open in later.exits.iter_mut().flatten().filter_map(|exit| exit.open.as_mut()) {
             *open = open.since(time, self.time_step);
         }
@@ -305,6 +315,12 @@ impl Plan {
     pub(crate) fn opens_or_closes(&self, before: f64, now: f64) -> bool {
         self.targets.iter().any(|exit| exit.is_open(before) != exit.is_open(now))
             || self.doors.iter().any(|door| door.is_open(before) != door.is_open(now))
+    }
+
+    /// Says in a Trial who comes later, also where it does not.
+    pub fn mark_absent(&self, trial: &mut Trial) {
+        let late = self.sources.iter().flat_map(|source| &source.people);
+        late.for_each(|(i, _)| trial.dynamics[*i].absent = true);
     }
 
     /// Returns whether they leave in the end, of everybody.

@@ -121,10 +121,7 @@ impl Simulation {
     /// None of documents that were read and checked.
     pub fn new(documents: Documents, algorithm: Algorithm) -> Result<Simulation, SimError> {
         let Documents { mut trial, drive, plan } = documents;
-        // Also where the Trial does not say it.
-        for (i, _) in plan.iter().flat_map(|plan| &plan.sources).flat_map(|source| &source.people) {
-            trial.dynamics[*i].absent = true;
-        }
+        plan.iter().for_each(|plan| plan.mark_absent(&mut trial));
         let ids = trial.agents.iter().map(|agent| agent.id.clone()).collect();
         let (played, added) = match &plan {
             None => (drive, DriveTable::default()),

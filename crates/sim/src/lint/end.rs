@@ -59,7 +59,8 @@ impl RunEnd {
         let due = source.due(self.last.time - LATE);
         let waits = source.times[..due].iter().zip(came.chain(std::iter::repeat(self.last.time)));
         let waits = waits.map(|(due, came)| came - due).filter(|wait| *wait > LATE);
-        let (count, longest) = waits.fold((0_usize, 0.0), |(count, most), wait| (count + 1, f64::max(most, wait)));
+        let (count, longest) =
+            waits.fold((0_usize, 0.0), |(count, most), wait| (count + 1, f64::max(most, wait)));
         let still = due.saturating_sub(self.arrivals.iter().filter(|(_, k)| is_of_it(k)).count());
         let still = (still > 0).then(|| message!(STILL_OUTSIDE, count = still));
         (count > 0).then(|| message!(WAITED, source = &source.name, count, longest, still))
