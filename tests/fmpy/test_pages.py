@@ -112,6 +112,7 @@ FILES = {
         {},
     ),
     ("docs/walking.md", "exits = ["): ("times.toml", "", "lemons run two_doors --decision times.toml --until 0.1 -o times.csv", {}),
+    ("docs/walking.md", "box = [12, 6]"): ("arrive.toml", "", "lemons crowd --scenario arrive.toml -o arrive", {}),
     ("docs/walking.md", "[queue]"): (
         "queue.toml",
         "",

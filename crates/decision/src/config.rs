@@ -185,7 +185,7 @@ pub struct TargetConfig {
     pub share: Option<f64>,
     /// When people can leave by it; `None`: always.
     pub open: Option<OpeningTimes>,
-    /// So many leave by it; for others it is closed then.
+    /// So many leave by it, each time that it opens; for others it is closed then.
     pub most: Option<u32>,
     /// Factor of the expected time.
     pub time_factor: Option<f64>,

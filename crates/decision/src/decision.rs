@@ -50,9 +50,8 @@ pub struct AgentState {
     next: usize,
     /// Whether it has come: it is of no source, or its source has let it in.
     came: bool,
-    /// Whether the agent has left by an exit, at the last step or before, and by which.
+    /// Whether the agent has left by an exit, at the last step or before.
     left: bool,
-    by: Option<usize>,
     /// \[s\] How long it has waited at the next way-point.
     waited: f64,
     /// \[m\] Where the agent was at the last step.
@@ -132,7 +131,7 @@ pub struct Decision {
     wanted: Option<Vec<DesiredMotion>>,
     /// Arrivals and directions of all agents at their present poses, if they were computed.
     aims: Option<Vec<Aim>>,
-    /// How many have left by each target.
+    /// How many have left by each target since it opened last.
     passed: Vec<usize>,
     /// Legs of all agents at their present poses, if they were computed; `None` inside for who has left.
     legs: Option<Vec<Option<Legs>>>,
@@ -150,7 +149,6 @@ impl Decision {
             next: 0,
             came: true,
             left: false,
-            by: None,
             waited: 0.0,
             last: None,
             stuck: StuckState::default(),
@@ -234,10 +232,8 @@ impl Decision {
         for i in 0..self.agents.len() {
             let arrival = self.arrival(i);
             let leaves = arrival == Some(Arrival::Leaves);
-            if let (true, None) = (leaves, self.agents[i].by) {
-                let by = self.reached(i);
-                self.agents[i].by = by;
-                gone.extend(by);
+            if leaves && !self.agents[i].left {
+                gone.extend(self.reached(i));
             }
             // Who is at a goal is not stuck there.
             let goes = self.goes(i).filter(|_| arrival.is_none());
@@ -278,6 +274,11 @@ impl Decision {
         let before = self.time;
         self.time += step;
         self.motivate_since(before);
+        for (passed, exit) in self.passed.iter_mut().zip(&self.plan.targets) {
+            if exit.is_open(self.time) && !exit.is_open(before) {
+                *passed = 0;
+            }
+        }
         goes_on |= self.plan.opens_or_closes(before, self.time);
         if goes_on || self.agents.iter().any(|agent| is_due(agent.walker.start, before, self.time)) {
             (self.wanted, self.aims) = (None, None);

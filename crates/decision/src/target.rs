@@ -42,7 +42,7 @@ pub struct Target {
     #[cfg_attr(feature = "typescript", ts(as = "Option<Vec<[f64; 2]>>", optional))]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub open: Option<OpeningTimes>,
-    /// So many leave by it; for others it is closed then.
+    /// So many leave by it, each time that it opens; for others it is closed then.
     #[cfg_attr(feature = "typescript", ts(optional))]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub most: Option<u32>,

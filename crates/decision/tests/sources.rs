@@ -140,6 +140,28 @@ fn an_exit_closes_after_so_many_people() {
 }
 
 #[test]
+fn with_times_so_many_leave_in_each_of_them() {
+    let places: Vec<[f64; 2]> = (0..9).map(|k| [8.5, f64::from(k) - 4.5]).collect();
+    let config = "exits = [{ line = [[9, -5], [9, 5]], most = 2, open = [[0, 1], [2, 3], [4, 5]] }]";
+    let seen = |x: f64| {
+        let mut trial = trial(&places, &[]);
+        let plan = Plan::of(&trial, &DecisionConfig::from_toml(config).unwrap()).unwrap();
+        let mut decision = Decision::new(plan);
+        trial.dynamics.iter_mut().for_each(|own| own.position.x = x);
+        let mut left = Vec::new();
+        for k in 0..120 {
+            decision.see(trial.dynamics.iter().map(AgentDynamics::motion));
+            let gone = decision.acts().unwrap().iter().filter(|act| !act.active).count();
+            left.extend((k % 20 == 10).then_some(gone));
+            decision.pass(STEP).unwrap();
+        }
+        left
+    };
+    // On the line, and before it.
+    assert_eq!([seen(9.0), seen(8.0)], [[2, 2, 4, 4, 6, 6], [0; 6]]);
+}
+
+#[test]
 fn what_cannot_be_is_told_with_its_key() {
     let refused = |source: &str, more: &str| {
         let config = DecisionConfig::from_toml(&format!("{EXIT}sources = [{source}]\n{more}"));

@@ -20,6 +20,7 @@ pub struct SavedDecision {
     /// \[s\] Time since the start.
     time: f64,
     /// See [`Decision`].
+    passed: Vec<usize>,
     wanted: Option<Vec<DesiredMotion>>,
 }
 
@@ -150,6 +151,7 @@ impl Model for Decision {
         SavedDecision {
             fingerprint: self.fingerprint,
             time: self.time,
+            passed: self.passed.clone(),
             agents: self.agents.clone(),
             wanted: self.wanted.clone(),
         }
@@ -157,7 +159,7 @@ impl Model for Decision {
 
     fn restore(&mut self, saved: &SavedDecision) -> Answer<()> {
         const IMPOSSIBLE: &str = "it has other agents or way-points, or impossible values";
-        let SavedDecision { fingerprint, agents: saved, time, wanted } = saved;
+        let SavedDecision { fingerprint, agents: saved, time, passed, wanted } = saved;
         if *fingerprint != self.fingerprint {
             return refuse("the state belongs to another model, with another Trial or decision.toml");
         }
@@ -169,9 +171,7 @@ impl Model for Decision {
                 .all(|number| number.is_finite());
             let exit =
                 a.choice.exit.is_none_or(|k| self.plan.targets.get(k).is_some_and(|target| !target.stay));
-            a.by.is_none_or(|by| by < self.plan.targets.len())
-                && exit
-                && a.walker.waypoints.len() == count
+            exit && a.walker.waypoints.len() == count
                 && a.next <= count
                 && last
                 && own
@@ -179,7 +179,10 @@ impl Model for Decision {
                 && a.legs.is_sound()
                 && a.queue.is_sound()
         };
-        if !time.is_finite() || wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len()) {
+        if !time.is_finite()
+            || passed.len() != self.passed.len()
+            || wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len())
+        {
             return damaged(IMPOSSIBLE);
         }
         if saved.len() != self.agents.len() || !saved.iter().zip(&self.agents).all(alike) {
@@ -195,8 +198,7 @@ impl Model for Decision {
             }
         }
         (self.agents, self.time) = (restored.agents, *time);
-        self.passed.fill(0);
-        self.agents.iter().filter_map(|agent| agent.by).for_each(|by| self.passed[by] += 1);
+        self.passed.clone_from(passed);
         self.forget();
         self.wanted.clone_from(wanted);
         Ok(())
