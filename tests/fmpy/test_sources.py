@@ -124,6 +124,20 @@ def test_command_fmus_python_and_a_saved_run_have_the_same_bits(lemons, tmp_path
     assert "largest overlap         0.000 mm" in told
 
 
+def test_a_trial_that_goes_on_has_those_who_come_later(lemons, tmp_path):
+    call(lemons, tmp_path, "crowd", "--scenario", SCENARIO, "-o", "T")
+    call(lemons, tmp_path, "run", "T", "--until", "5", "-o", "run.csv")
+    seen = table_of(tmp_path / "run.csv")["active"].iloc[-1]
+    call(lemons, tmp_path, "export", "run.csv", "later", "--to", "trial", "--trial", "T")
+    later = tomllib.loads((tmp_path / "later/decision.toml").read_text())["sources"]
+    outside = [agent.get("Id") for agent in ElementTree.parse(tmp_path / "later/dynamic/AgentDynamics.xml").getroot() if agent.get("Active")]
+    assert sorted(id for source in later for id in source["people"]) == sorted(outside) and 1 < len(outside) < 17
+    assert later[-1]["name"] == "train" and later[-1]["times"] == [15.0] and not seen[int(outside[-1])]
+    told = call(lemons, tmp_path, "run", "later", "--until", "left", "-o", "later.csv")
+    people = len(list(ElementTree.parse(tmp_path / "later/static/Agents.xml").getroot()))
+    assert f"(of {people} people" in told and re.search(rf"left +{people} ", told)
+
+
 def test_who_finds_no_room_waits_outside_and_it_is_said(lemons, tmp_path):
     """Forty people are due in two seconds where three fit at once, in front of a door that shuts after 25."""
     (tmp_path / "s.toml").write_text(

@@ -330,7 +330,10 @@ impl Plan {
             Destination::NearestExit => true,
             Destination::Target(k) => self.targets.get(k).is_some_and(|target| !target.stay),
         };
-        self.agents.iter().map(leaves).collect()
+        let mut all: Vec<bool> = self.agents.iter().map(leaves).collect();
+        let never = self.sources.iter().filter(|source| source.times.is_empty());
+        never.flat_map(|source| &source.people).for_each(|(i, _)| all[*i] = false);
+        all
     }
 
     /// Returns the different ways of way-points, at most so many.

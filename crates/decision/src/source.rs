@@ -127,6 +127,12 @@ pub(crate) fn sources(trial: &Trial, all: &[SourceConfig], seed: u64) -> Result<
         }
         made.push(Source { name, people, times });
     }
+    // Who is not there, and of no source, never comes.
+    let all = trial.dynamics.iter().enumerate().filter(|(i, own)| own.absent && !taken.contains(i));
+    let people: Vec<_> = all.map(|(i, own)| (i, own.velocity)).collect();
+    if !people.is_empty() {
+        made.push(Source { name: String::new(), people, times: Vec::new() });
+    }
     Ok(made)
 }
 

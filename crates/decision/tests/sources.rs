@@ -78,6 +78,16 @@ fn who_is_due_comes_at_the_first_point_that_is_not_before() {
 }
 
 #[test]
+fn who_is_not_there_and_of_no_source_never_comes() {
+    let mut trial = trial(&[[0.0, 0.0], [2.0, 0.0], [4.0, 0.0]], &[]);
+    (trial.dynamics[1].absent, trial.dynamics[2].absent) = (true, true);
+    let config = format!("{EXIT}sources = [{{ people = [\"1\"], times = [0.1] }}]");
+    assert_eq!(there(&trial, &config, 9)[8], [true, true, false]);
+    let plan = Plan::of(&trial, &DecisionConfig::from_toml(&config).unwrap()).unwrap();
+    assert_eq!(plan.leaving(), [true, true, false]);
+}
+
+#[test]
 fn nobody_comes_where_somebody_stands_or_a_wall_is_and_another_one_comes_instead() {
     // Person 1 has the place of person 0, 2 stands in a wall, 3 and 4 are at one place, 5 is alone.
     let places = [[0.0, 0.0], [0.2, 0.1], [2.0, 0.0], [4.0, 0.0], [4.1, 0.0], [6.0, 0.0]];
