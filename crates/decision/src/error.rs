@@ -63,7 +63,7 @@ pub enum PlanError {
     WaysAndWaypoints,
     #[error("ways: give a `share` for each or for none")]
     SomeWayShares,
-    #[error("{place}: give `rate`, `every` or `times`, one of the three")]
+    #[error("{place}: give `rate`, `every` or `times`, one of the three; `start` is not for `times`")]
     WhenOfSource { place: String },
     #[error("{place}: people: {id:?}: {problem}")]
     OfSource { place: String, id: String, problem: &'static str },

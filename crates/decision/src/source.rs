@@ -49,7 +49,7 @@ impl Source {
 }
 
 impl SourceConfig {
-    /// Returns when so many people are due \[s\], in order; `number` is the place of the source, for the draws.
+    /// Returns when so many people are due \[s\], in order; `number_of_it` is the place of the source, for the draws.
     ///
     /// # Errors
     /// It says no time, or several, or one that is out of range.
@@ -60,43 +60,39 @@ impl SourceConfig {
         seed: u64,
         number_of_it: usize,
     ) -> Result<Vec<f64>, PlanError> {
-        let given = [self.rate.is_some(), self.every.is_some(), self.times.is_some()];
-        if given.iter().filter(|given| **given).count() != 1 {
-            return Err(PlanError::WhenOfSource { place: place.to_owned() });
-        }
         let start = self.start.unwrap_or(0.0);
         moderate(place, "start", start)?;
-        let gap = |key, value: f64, [low, high]: [f64; 2], must| {
-            number(place, key, value, |value| (low..=high).contains(&value), must).map(|()| value)
-        };
-        if let Some(times) = &self.times {
-            times.iter().try_for_each(|time| moderate(place, "times", *time))?;
-            let wrong =
-                |value: String, must| PlanError::Value { place: place.to_owned(), key: "times", value, must };
-            if let Some(pair) = times.windows(2).find(|pair| pair[1] < pair[0]) {
-                return Err(wrong(format!("{pair:?}"), "in order"));
-            }
-            if times.len() < people || self.start.is_some() {
-                let must = "as many as there are people, or more, and without `start`";
-                return Err(wrong(format!("{} times for {people} people", times.len()), must));
-            }
-            return Ok(times[..people].to_vec());
-        }
         let mut time = start;
-        let drawn = |k| -libm::log1p(-share(seed, u64::MAX - 16 - number_of_it as u64, k));
-        let all: Vec<f64> = match (self.rate, self.every) {
-            (Some(rate), _) => {
-                let rate = gap("rate", rate, [1e-6, 1e3], "from 1e-6 to 1000 people per s")?;
+        let all: Vec<f64> = match (self.rate, self.every, &self.times) {
+            (Some(rate), None, None) => {
+                let must = "from 1e-6 to 1000 people per s";
+                number(place, "rate", rate, |rate| (1e-6..=1e3).contains(&rate), must)?;
+                let draws = u64::MAX - 16 - number_of_it as u64;
                 let next = |k| {
-                    time += drawn(k) / rate;
+                    time -= libm::log1p(-share(seed, draws, k)) / rate;
                     time
                 };
                 (0..people as u64).map(next).collect()
             }
-            (_, every) => {
-                let every = gap("every", every.unwrap_or(1.0), [1e-3, 1e6], "from 0.001 to 1e6 s")?;
+            (None, Some(every), None) => {
+                number(place, "every", every, |every| (1e-3..=1e6).contains(&every), "from 0.001 to 1e6 s")?;
                 (0..people).map(|k| start + k as f64 * every).collect()
             }
+            (None, None, Some(times)) if self.start.is_none() => {
+                times.iter().try_for_each(|time| moderate(place, "times", *time))?;
+                let wrong = |value, must| {
+                    Err(PlanError::Value { place: place.to_owned(), key: "times", value, must })
+                };
+                if let Some(pair) = times.windows(2).find(|pair| pair[1] < pair[0]) {
+                    return wrong(format!("{pair:?}"), "in order");
+                }
+                if times.len() < people {
+                    let must = "as many as there are people, or more";
+                    return wrong(format!("{} times for {people} people", times.len()), must);
+                }
+                times[..people].to_vec()
+            }
+            _ => return Err(PlanError::WhenOfSource { place: place.to_owned() }),
         };
         all.last().map_or(Ok(()), |last| moderate(place, "the last arrival", *last))?;
         Ok(all)

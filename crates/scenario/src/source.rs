@@ -112,14 +112,12 @@ impl Scenario {
     /// Draws the people of all sources.
     pub(crate) fn arriving(&self, population: &Population) -> Result<Vec<Vec<CrowdMember>>> {
         let draw = |(k, source): (usize, &SourceForm)| {
-            let mixed = (!source.mix.is_empty()).then(|| {
-                Ok::<_, crate::ScenarioError>(
-                    population.clone().mixed(Kinds::built_in()?.mix(&forms::shares(&source.mix)?)?),
-                )
-            });
-            let mixed = mixed.transpose()?;
+            let mut own = population.clone();
+            if !source.mix.is_empty() {
+                own = own.mixed(Kinds::built_in()?.mix(&forms::shares(&source.mix)?)?);
+            }
             let seed = self.seed().wrapping_add(0x5eed << 32).wrapping_add(k as u64);
-            Ok(mixed.as_ref().unwrap_or(population).agents(seed).take(source.people()).collect())
+            Ok(own.agents(seed).take(source.people()).collect())
         };
         self.sources.iter().enumerate().map(draw).collect()
     }
@@ -165,10 +163,11 @@ impl Scenario {
         let mut ids = trial.agents[trial.agents.len() - count..].iter().map(|agent| agent.id.clone());
         for source in &self.sources {
             let ids: Vec<String> = ids.by_ref().take(source.people()).collect();
-            for id in ids.iter().filter(|_| source.has_way()) {
-                let SourceForm { waypoints, exit, goal, .. } = source.clone();
-                let own = config.agents.remove(id).unwrap_or_default();
-                config.agents.insert(id.clone(), AgentConfig { waypoints, exit, goal, ..own });
+            let SourceForm { waypoints, exit, goal, .. } = source;
+            let way = (waypoints.clone(), exit.clone(), goal.clone());
+            for id in ids.iter().filter(|_| way != (None, None, None)) {
+                let own: &mut AgentConfig = config.agents.entry(id.clone()).or_default();
+                (own.waypoints, own.exit, own.goal) = way.clone();
             }
             config.sources.push(source.config(ids));
         }
@@ -186,11 +185,5 @@ impl Scenario {
             (own.velocity, own.theta) = velocities[*i].unwrap_or((own.velocity, own.theta));
         }
         Ok(())
-    }
-}
-
-impl SourceForm {
-    fn has_way(&self) -> bool {
-        self.waypoints.is_some() || self.exit.is_some() || self.goal.is_some()
     }
 }
