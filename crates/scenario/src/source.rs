@@ -79,8 +79,8 @@ impl SourceForm {
         require(is_one, || format!("{place}: give a line of two points, or a polygon of three or more"))?;
         require(self.number.is_some() || self.times.is_some(), || format!("{place}: number: is missing"))?;
         within(format_args!("{place}: number"), self.people() as f64, [1.0, f64::from(MOST_PEOPLE)])?;
-        let flat =
-            self.polygon.is_some() && !self.ring().is_some_and(|ring| ring.area() > 0.0 && ring.is_simple());
+        let flat = self.polygon.is_some()
+            && !Ring::through(self.corners()).is_some_and(|ring| ring.area() > 0.0 && ring.is_simple());
         require(!flat, || format!("{place}: polygon: must have an area, and sides that do not cross"))?;
         self.config(Vec::new()).due("", self.people(), 0, k).map_err(|error| {
             let error = error.to_string();
@@ -90,21 +90,6 @@ impl SourceForm {
             Kinds::built_in()?.mix(&forms::shares(&self.mix)?).of(format_args!("{place}: mix"))?;
         }
         Ok(())
-    }
-
-    fn ring(&self) -> Option<Ring> {
-        Ring::through(self.corners())
-    }
-
-    /// Draws a place \[m\] with two ranks; `None` if it is not in the area.
-    fn at(&self, u: f64, v: f64) -> Option<Vec2> {
-        let corners = self.corners();
-        if self.line.is_some() {
-            return Some(corners[0] + (corners[1] - corners[0]) * u);
-        }
-        let Bounds { low, high } = Bounds::of(corners)?;
-        let at = vec2(low.x + (high.x - low.x) * u, low.y + (high.y - low.y) * v);
-        self.ring()?.contains(at).then_some(at)
     }
 }
 
@@ -136,19 +121,29 @@ impl Scenario {
         };
         let mut placed = Vec::new();
         for (k, (source, people)) in self.sources.iter().zip(people).enumerate() {
+            let corners = source.corners();
+            let ring = source.polygon.as_ref().and_then(|_| Ring::through(corners.clone()));
+            let Some(Bounds { low, high }) = Bounds::of(corners.iter().copied()) else { continue };
+            let seed = self.seed().wrapping_add(k as u64);
             for person in people {
                 let disks = person.shape()?.disks;
                 let reach = disks.iter().map(|disk| disk.centre.norm() + disk.radius).fold(0.0, f64::max);
-                let clear = |at: &Vec2| {
-                    inside(*at)
-                        && faces.iter().all(|[a, b]| (nearest_on_segment(*a, *b, *at) - *at).norm() > reach)
+                let clear = |[a, b]: &[Vec2; 2], at| (nearest_on_segment(*a, *b, at) - at).norm() > reach;
+                let who = placed.len() as u64;
+                let drawn = |n| {
+                    let [u, v] = [2 * n, 2 * n + 1].map(|n| share(seed, who, n));
+                    let at = match &ring {
+                        None => corners[0] + (corners[1] - corners[0]) * u,
+                        Some(_) => vec2(low.x + (high.x - low.x) * u, low.y + (high.y - low.y) * v),
+                    };
+                    let within = ring.as_ref().is_none_or(|ring| ring.contains(at)) && inside(at);
+                    (within && faces.iter().all(|face| clear(face, at))).then_some(at)
                 };
-                let (seed, who) = (self.seed().wrapping_add(k as u64), placed.len() as u64);
-                let at = |n| source.at(share(seed, who, 2 * n), share(seed, who, 2 * n + 1)).filter(clear);
-                let at = (0..TRIES).find_map(at).ok_or_else(|| {
+                let at = (0..TRIES).find_map(drawn).ok_or_else(|| {
+                    let place = &place.name;
                     impossible(format!(
-                        "`sources`: source {k}: it has no place, inside {} and {reach:.2} m from all walls, for one of its people",
-                        place.name
+                        "`sources`: source {k}: it has no place, inside {place} and {reach:.2} m from all walls, for one \
+                         of its people"
                     ))
                 })?;
                 placed.push((person.clone(), Pose { position: at, orientation: 0.0 }));

@@ -41,11 +41,6 @@ impl Decision {
         is_free(&body(i, self.agents[i].pose), walls, others, step)
     }
 
-    /// Returns who has not come yet.
-    pub fn outside(&self) -> Vec<bool> {
-        self.agents.iter().map(|agent| !agent.came).collect()
-    }
-
     /// Returns with which velocity \[m/s\] and orientation \[rad\] everybody of a plan would walk alone at its place at 0 s;
     /// `None` of who would stand.
     ///
