@@ -11,7 +11,7 @@ use super::shortlist::{Activity, Shortlist};
 use super::slope::OnSlopes;
 use super::{
     Body, BodyId, DiskId, Exposure, Exposures, FaceExposure, InPlane, Pose, Scene, Shortlisting, State,
-    Threads, ThreadsError, Vec2, WallId, Work, Wrench, rotation,
+    Threads, ThreadsError, Twist, Vec2, WallId, Work, Wrench, rotation,
 };
 use lemons_core::plane::{Motion, body_meets};
 use thiserror::Error;
@@ -120,6 +120,21 @@ impl World {
     /// # Errors
     /// More pairs are near each other than the limit of memory allows.
     pub fn new(scene: Scene, state: State, mechanical_step: f64) -> Result<World, Crowded> {
+        let present = vec![true; scene.bodies.len()];
+        World::of_present(scene, state, mechanical_step, present)
+    }
+
+    /// Makes the same, in which some bodies are not there.
+    ///
+    /// # Errors
+    /// Those of [`World::new`].
+    pub fn of_present(
+        scene: Scene,
+        state: State,
+        mechanical_step: f64,
+        present: Vec<bool>,
+    ) -> Result<World, Crowded> {
+        assert_eq!(present.len(), scene.bodies.len(), "one for each body");
         assert_eq!(state.poses.len(), scene.bodies.len(), "one pose for each body");
         assert_eq!(state.twists.len(), scene.bodies.len(), "one twist for each body");
         let mut world = World {
@@ -129,7 +144,7 @@ impl World {
             mechanical_step,
             shortlisting: Shortlisting::On,
             share_from: SHARE_FROM,
-            present: vec![true; scene.bodies.len()],
+            present,
             present_walls: vec![true; scene.wall_faces.len()],
             threads: Threads::default(),
             shared: 0,
@@ -170,6 +185,11 @@ impl World {
     /// it must be set before [`World::restore`].
     pub fn set_present(&mut self, body: BodyId, present: bool) {
         self.present[body.index()] = present;
+    }
+
+    /// A body that comes has this motion from the next step on. Contacts are those of the step before.
+    pub fn set_twist(&mut self, body: BodyId, twist: Twist) {
+        self.state.twists[body.index()] = twist;
     }
 
     /// Of each wall, whether it is there.

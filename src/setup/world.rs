@@ -245,14 +245,15 @@ impl Setup<'_> {
         self.geometry.walls.iter().enumerate().map(is_there).collect()
     }
 
-    /// Returns the engine's world at the start of this Trial, with the walls that are there at 0 s.
+    /// Returns the engine's world at the start of this Trial, with the people and walls that are there at 0 s.
     ///
     /// # Errors
     /// Materials that can touch have no usable contact, or too many agents are at one place.
     pub fn world(&self) -> Result<World, WorldError> {
         let scene = self.scene()?;
         let state = self.state(&scene);
-        let world = World::new(scene, state, self.parameters.time_step_mechanical);
+        let present = self.dynamics.iter().map(|own| !own.absent).collect();
+        let world = World::of_present(scene, state, self.parameters.time_step_mechanical, present);
         let mut world = world.map_err(|crowded| self.too_crowded(crowded))?;
         world.drive = self.drive();
         let present = self.walls_at(0.0, &world);

@@ -270,6 +270,10 @@ rules! {
         NOBODY_BY "nobody" "nobody by {exit:?}",
         BY "by" "by {exit:?} at {time:.1} s",
     ];
+    NoRoom "source-waits" Warning: "the end of a run", "people of a source waited outside: there was no room for them where they appear", "a larger line or area of the source, or fewer people per time", [
+        WAITED "people" "source {source:?}: {count} people found no room when they were due, and waited outside, for up to {longest:.1} s{still}",
+        STILL_OUTSIDE "still" "; at the end, {count} wait there",
+    ];
 }
 
 #[cfg(test)]

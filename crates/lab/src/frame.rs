@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 /// Numbers of an agent in a frame: x, y \[m\], orientation \[rad\], velocity along x and y \[m/s\], angular velocity
 /// \[rad/s\], mean squeeze of the last communication step \[N\], number of contacts, the part of the squeeze by walls
 /// \[N\], x and y of the middle of the feet \[m\], 1 for who wants to get on and else 0. The place of who has left is not
-/// a number, nor are feet where people have no legs.
+/// a number, nor are place and velocity of who has not come yet, nor feet where people have no legs.
 pub const COLUMNS: usize = 12;
 
 /// \[s\] Frames of a page are not further apart.
@@ -27,6 +27,7 @@ pub fn bytes(frame: &Frame, going: &[bool]) -> Vec<u8> {
         const NOWHERE: Vec2 = vec2(f64::NAN, f64::NAN);
         let Motion { pose, twist: Twist { velocity, angular_velocity } } = frame.agents[agent];
         let at = if frame.is_there(agent) { pose.position } else { NOWHERE };
+        let velocity = if frame.is_outside(agent) { NOWHERE } else { velocity };
         let effect = |effect| frame.effects.get(effect, agent).unwrap_or_default();
         let contacts = effect(Effect::AgentContacts) + effect(Effect::WallContacts);
         let feet = frame.legs.as_ref().map_or(NOWHERE, |legs| legs[agent].feet);

@@ -31,7 +31,7 @@ pub use departures::{Departures, Left};
 pub use exposure::{Above, Exposed, SPANS, SqueezeOverTime};
 pub use flow::{Flow, Window, windows};
 pub use impulses::MovingMeans;
-pub use leaving::{LATEST, Leaving, Over, WAITING, Wait};
+pub use leaving::{LATEST, Leaving, OUTSIDE, Over, WAITING, Wait};
 pub use loads::{LoadsOverTime, Panel, WallLoad, WallLoads};
 pub use passages::{Passage, Passages};
 pub use quantile::quantile;

@@ -10,6 +10,7 @@ mod leave;
 mod people;
 mod place;
 mod push;
+mod source;
 
 pub use error::{ALL as SENTENCES, Result, ScenarioError, with_names};
 pub use forms::{
@@ -19,6 +20,7 @@ pub use leave::own_speeds;
 pub use people::{Crowd, Four, People, Ready, round};
 pub use place::{StandingArea, WalkableRoom};
 pub use push::{Push, drive};
+pub use source::SourceForm;
 
 use error::{Of, ROUND, fits, impossible, require, within};
 use lemons_core::files::source::FileSource;
@@ -82,6 +84,8 @@ pub struct Scenario {
     pub grounds: Vec<GroundForm>,
     /// Lines that are one: of floors that lie beside each other.
     pub links: Vec<LinkForm>,
+    /// People who come later.
+    pub sources: Vec<SourceForm>,
     /// Number of people.
     pub number: Option<u32>,
     /// \[1/m²\] Density of people, instead of their number.
@@ -293,7 +297,7 @@ impl Scenario {
     /// # Errors
     /// A value is not possible, or does not fit to others; keys are between backticks.
     pub fn check(&self) -> Result<()> {
-        let Scenario { sides, geometry, room, doors, regions, grounds, links, pushes, .. } = self;
+        let Scenario { sides, geometry, room, doors, regions, grounds, links, sources, pushes, .. } = self;
         let rooms = [("box", sides.is_some()), ("geometry", geometry.is_some()), ("room", room.is_some())];
         let given: Vec<_> = rooms.iter().filter(|(_, given)| *given).map(|(key, _)| key).collect();
         fits(given.len() < 2, || format!("`{}` and `{}`: a scenario has one room", given[0], given[1]))?;
@@ -303,6 +307,7 @@ impl Scenario {
         self.drawing.check()?;
         doors.iter().try_for_each(DoorForm::check)?;
         regions.iter().enumerate().try_for_each(|(k, region)| region.check(k))?;
+        sources.iter().enumerate().try_for_each(|(k, source)| source.check(k))?;
         require(SKINS.contains(&self.material()), || {
             format!("`material` = {:?}: must be one of {}", self.material(), SKINS.join(", "))
         })?;
@@ -312,6 +317,7 @@ impl Scenario {
             ("regions", regions.len()),
             ("grounds", grounds.len()),
             ("links", links.len()),
+            ("sources", sources.len()),
             ("pushes", pushes.len()),
         ] {
             require(count <= MOST_PARTS, || format!("`{key}`: {count} are more than {MOST_PARTS}"))?;
