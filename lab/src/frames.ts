@@ -5,6 +5,8 @@ import { COLUMNS } from "./protocol";
 
 /** Frames lie in blocks, so that long runs neither copy nor allocate for each frame. */
 const BLOCK_BYTES = 4e6;
+/** \[m\] Nobody walks further from a frame to the next one. */
+const CARRIED = 1;
 export const SQUEEZE = 6;
 const CONTACTS = 7;
 export const BY_WALLS = 8;
@@ -122,6 +124,8 @@ export class Frames {
         const out = this.#between;
         out.set(earlier);
         for (let at = 0; at < this.length; at += COLUMNS) {
+            // Who was carried over a link is on the earlier floor.
+            if (Math.hypot(later[at]! - earlier[at]!, later[at + 1]! - earlier[at + 1]!) > CARRIED) continue;
             for (let column = 0; column < 3; column++) {
                 const from = earlier[at + column]!;
                 out[at + column] = from + share * (later[at + column]! - from);

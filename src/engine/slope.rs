@@ -1,62 +1,46 @@
 //! Slopes: what pulls bodies downhill.
 //!
 //! A body is where its centre of mass is. The pull is constant on a slope and jumps at its rim. A step in which a body
-//! crosses a rim has the mean of both pulls over the time: the velocity is exact to first order in the rest of the
-//! motion, the position to second order in the step. A body that may cross a rim in a communication step moves by
-//! mechanical steps.
+//! crosses a rim has the mean of both pulls over the time; what is narrower than its way in a step is not felt. A body
+//! that may cross a rim in a communication step moves by mechanical steps.
 
 use super::Vec2;
 use super::circle::Circle;
 use super::free_flight::{Course, Paths, Ramp, RampFlight};
 use super::{Body, Pose, Twist};
-use lemons_core::plane::Bounds;
-use lemons_core::trial::Ground;
+use lemons_core::trial::{Ground, Grounds};
 
 /// Halvings with which a rim is found within a step.
 const HALVINGS: usize = 30;
 
-/// A ground with its pull.
-#[derive(Debug, Clone, PartialEq)]
-struct Slope {
-    ground: Ground,
-    bounds: Bounds,
-    /// \[m/s2\]
-    pull: Vec2,
-}
-
 /// All grounds of a scene.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Slopes(Vec<Slope>);
+pub(super) struct Slopes {
+    grounds: Grounds,
+    /// \[m/s2\] Pull of each.
+    pulls: Vec<Vec2>,
+}
 
 impl Slopes {
     pub fn new(grounds: &[Ground]) -> Slopes {
-        let slope = |ground: &Ground| Slope {
-            bounds: ground.area.bounds(),
-            pull: ground.pull(),
-            ground: ground.clone(),
-        };
-        let level = grounds.iter().all(|ground| ground.pull() == Vec2::zeros());
-        Slopes(if level { Vec::new() } else { grounds.iter().map(slope).collect() })
+        let pulls: Vec<Vec2> = grounds.iter().map(Ground::pull).collect();
+        let level = pulls.iter().all(|pull| *pull == Vec2::zeros());
+        if level { Slopes::default() } else { Slopes { grounds: Grounds::new(grounds), pulls } }
     }
 
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.pulls.is_empty()
     }
 
     /// \[m/s2\] Returns the pull at a place.
     pub fn pull(&self, place: Vec2) -> Vec2 {
-        let here =
-            self.0.iter().find(|slope| slope.bounds.contains(place) && slope.ground.area.contains(place));
-        here.map_or(Vec2::zeros(), |slope| slope.pull)
+        self.grounds.number_at(place).map_or(Vec2::zeros(), |number| self.pulls[number])
     }
 
     /// Returns whether no rim is in a circle.
     fn are_even(&self, circle: &Circle) -> bool {
-        let clear = |slope: &Slope| {
-            !slope.bounds.grown(circle.radius).contains(circle.centre)
-                || slope.ground.area.nearest(circle.centre).distance > circle.radius
-        };
-        self.0.iter().all(clear)
+        let clear = |ground: &Ground| ground.area.nearest(circle.centre).distance > circle.radius;
+        self.grounds.iter().all(clear)
     }
 }
 

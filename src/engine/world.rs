@@ -267,6 +267,9 @@ impl World {
     /// # Errors
     /// More pairs are near each other than the limit of memory allows. The world is then unchanged.
     pub fn relocate(&mut self, moved: &[(BodyId, Motion)]) -> Result<(), Crowded> {
+        if moved.is_empty() {
+            return Ok(());
+        }
         let before = self.state.clone();
         for (body, Motion { pose, twist }) in moved {
             if self.has_room(*body, *pose) {

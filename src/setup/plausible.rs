@@ -25,8 +25,8 @@ const OUTSIDE: f64 = 2.0;
 const FAR_AWAY: f64 = 1000.0;
 /// People outside of all walls who take this many times their length may have places in centimetres.
 const SPREAD: f64 = 10.0;
-/// \[m\] Distances within which no wall is behind a line of a link, and one is.
-const LINK_WALL: [f64; 2] = [0.3, 3.0];
+/// \[m\] Distance within which a wall is behind a line of a link.
+const LINK_WALL: f64 = 3.0;
 /// Number of directions in which walls are searched, and number of them in which a person in a room sees one: a room
 /// may have doors.
 const DIRECTIONS: u32 = 32;
@@ -69,17 +69,22 @@ impl Setup<'_> {
         let doubt = |link: &Link| {
             link.passages().into_iter().zip(link.lines).find_map(|(passage, [from, to])| {
                 let [_, _, end, start] = passage.strip();
-                let (middle, out) = ((from + to) * 0.5, (start + end - from - to) * 0.5);
-                let is_wall_within = |far: f64| {
-                    let end = middle + out * (far / out.norm());
-                    scene.faces.iter().any(|face| segments_touch(middle, end, face.start, face.end))
+                let out = (start + end - from - to) * 0.5;
+                let meets = |a: Vec2, b: Vec2| {
+                    scene.faces.iter().any(|face| segments_touch(a, b, face.start, face.end))
                 };
                 let (link, x, y, to_x, to_y) = (&link.id, from.x, from.y, to.x, to.y);
-                let [least, most] = LINK_WALL;
-                if is_wall_within(least) {
-                    return Some(message!(LINK_BLOCKED, link, least, x, y, to_x, to_y));
+                // The ends of the line are on walls at its sides.
+                let blocked = [0.1, 0.5, 0.9].iter().any(|part| {
+                    let at = from + (to - from) * *part;
+                    meets(at, at + out)
+                });
+                if blocked {
+                    return Some(message!(LINK_BLOCKED, link, x, y, to_x, to_y));
                 }
-                (!is_wall_within(most)).then(|| message!(LINK_OPEN, link, most, x, y, to_x, to_y))
+                let middle = (from + to) * 0.5;
+                let open = !meets(middle, middle + out * (LINK_WALL / out.norm()));
+                open.then(|| message!(LINK_OPEN, link, most = LINK_WALL, x, y, to_x, to_y))
             })
         };
         self.geometry.links.iter().find_map(doubt)

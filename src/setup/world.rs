@@ -6,7 +6,7 @@ use crate::engine::{
     Scene, State, WallId, WallSpec, World, Wrench, elongation_vector,
 };
 use lemons_core::message::{Message, message};
-use lemons_core::plane::{InPlane, Motion, Pose, Twist};
+use lemons_core::plane::{InPlane, Motion, Pose, Twist, segments_touch};
 use lemons_core::rule::sentences::*;
 use lemons_core::trial::{
     Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Link, LinkPassage, Material,
@@ -227,7 +227,13 @@ impl Setup<'_> {
         }
         let over = |b: &usize| {
             let pose = world.state().poses[*b];
-            let passage = passages.iter().find(|passage| passage.is_beyond(pose.position))?;
+            // Behind a wall is another room.
+            let is_open = |passage: &&LinkPassage| {
+                let (at, foot) = (pose.position, passage.foot(pose.position));
+                !world.scene().faces.iter().any(|face| segments_touch(at, foot, face.start, face.end))
+            };
+            let beyond = passages.iter().filter(|passage| passage.is_beyond(pose.position));
+            let passage = beyond.into_iter().find(is_open)?;
             let twist = world.state().twists[*b];
             Some((BodyId::from(*b), passage.carried(Motion { pose, twist })))
         };

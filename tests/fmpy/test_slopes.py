@@ -76,7 +76,7 @@ round = true
 friction = 0.0
 time_step = 0.01
 panel_length = 0.25
-grounds = [{{ corners = [[-1, -1], [50, -1], [50, 2], [-1, 2]], downhill = 0, angle = {angle}, held = {held} }}]
+grounds = [{{ corners = [[-1, -1], [50, -1], [50, 2], [-1, 2]], downhill = {downhill}, angle = {angle}, held = {held} }}]
 [decision]
 model = "straight"
 desired_speed = 0.02
@@ -85,18 +85,22 @@ queue = {{ push = 80 }}
 """
 
 
-@pytest.mark.parametrize(("people", "angle", "held"), [(1, 10, 0.5), (6, 10, 0.5), (6, 25, 0.5), (6, 25, 1.0)])
-def test_who_leans_downhill_presses_with_the_weight_that_feet_do_not_hold(lemons, tmp_path, people, angle, held):
-    """n F + (1 - held) m g sin(angle), summed over everybody."""
+@pytest.mark.parametrize(("people", "angle", "held", "downhill"), [(1, 10, 0.5, 0), (6, 10, 0.5, 0), (6, 25, 0.5, 0), (6, 25, 1.0, 0), (6, 25, 0.5, 180), (6, 25, 0.5, 60)])
+def test_who_leans_downhill_presses_with_the_weight_that_feet_do_not_hold(lemons, tmp_path, people, angle, held, downhill):
+    """n F + (1 - held) m g sin(angle), summed over everybody; of who leans uphill, feet hold all."""
     length = 0.62 * people + 0.4
-    (tmp_path / "row.toml").write_text(ROW.format(people=people, length=length, angle=angle, held=held))
+    (tmp_path / "row.toml").write_text(ROW.format(people=people, length=length, angle=angle, held=held, downhill=downhill))
     subprocess.run([lemons, "crowd", "--scenario", tmp_path / "row.toml", "-o", tmp_path / "row"], check=True, capture_output=True)
     measured = [lemons, "measure", tmp_path / "row", "--until", 40, "--from", 25, "--walls", "--summary", "-"]
     summary = json.loads(subprocess.run(list(map(str, measured)), check=True, capture_output=True, text=True).stdout)
     force = sum(panel["load_10"] * panel["length"] for panel in summary["panels"] if panel["x1"] == panel["x2"] == pytest.approx(length))
     agents = (tmp_path / "row" / "static" / "Agents.xml").read_text()
     mass = sum(float(part.split('"')[1]) for part in agents.split(" Mass=")[1:])
-    assert force == pytest.approx(80 * people + (1 - held) * mass * 9.81 * math.sin(math.radians(angle)), rel=2e-3)
+    # The part along the row; what pulls to the side, its walls hold.
+    free = max(0.0, math.cos(math.radians(downhill)))
+    pull = (1 - held) * mass * 9.81 * math.sin(math.radians(angle))
+    # Of who leans askew, feet let go of the part that points downhill.
+    assert force == pytest.approx(80 * people + pull * free * free, rel=2e-3)
 
 
 @pytest.mark.parametrize("balance", ["pendulum", "two-level", "none"])
@@ -112,9 +116,11 @@ balance = "{balance}"
 desired_speed = 0.0
 goals = [{{ polygon = [[-9, -9], [9, -9], [9, 9], [-9, 9]] }}]
 """
+    scenario = scenario.replace("[decision]", "pushes = [{ at = [2.0, 2.0], radius = 9.0, direction = 70.0, force = 250.0, start = 1.0, duration = 0.5 }]\n[decision]")
     ends = []
     for angle in ("0", "15"):
         rows = run(lemons, tmp_path, scenario.replace("ANGLE", angle), "--until", 5, "--force")
+        assert max(row["vy"] for row in rows) > 0.1
         ends.append([(row["x"], row["y"]) for row in rows if row["t"] == 5])
         (tmp_path / "scenario.toml").unlink()
         shutil.rmtree(tmp_path / "T")
@@ -180,8 +186,8 @@ def test_a_crowd_goes_over_a_link_one_after_the_other(lemons, tmp_path):
 
 
 @pytest.mark.parametrize(("change", "said"), [
-    (('"10,0"/><Corner Coordinates="10,2"', '"10.4,0"/><Corner Coordinates="10.4,2"'), "nearer than 0.3 m behind"),
-    (('"20,0"/><Corner Coordinates="22,0"', '"22,0"/><Corner Coordinates="20,0"'), "is the ground to its left"),
+    (('"10,0"/><Corner Coordinates="10,2"', '"10.4,0"/><Corner Coordinates="10.4,2"'), "a wall is in the strip of 0.5 m behind"),
+    (('"20,0"/><Corner Coordinates="22,0"', '"22,0"/><Corner Coordinates="20,0"'), "are people to walk on its left"),
     (('"22,0"/></Link>', '"22,0.1"/></Link>'), "equally long"),
 ])
 def test_a_link_the_wrong_way_is_told(lemons, tmp_path, change, said):
@@ -204,8 +210,9 @@ def test_the_fmus_do_what_the_trial_does(lemons, tmp_path):
         assert done.returncode == 0, done.stderr
     with (tmp_path / "fmus.csv").open() as table:
         other = [{key: float(value) for key, value in row.items() if value} for row in csv.DictReader(table)]
-    last, end = ([row for row in table if row["t"] == 12] for table in (rows, other))
-    assert [(row["x"], row["y"]) for row in last] == [(row["x"], row["y"]) for row in end]
+    kept = ("t", "id", "x", "y", "vx", "vy", "theta", "active")
+    assert len(rows) == len(other) and all(repr(row[key]) == repr(same[key]) for row, same in zip(rows, other) for key in kept)
+    assert max(row["x"] for row in rows) > 20
 
 
 RAMP = '<Ground Id="r" Downhill="0" Angle="0.1" Held="0.5"><Corner Coordinates="1,0"/><Corner Coordinates="3,0"/><Corner Coordinates="3,2"/><Corner Coordinates="1,2"/></Ground>'
@@ -223,7 +230,9 @@ RAMP = '<Ground Id="r" Downhill="0" Angle="0.1" Held="0.5"><Corner Coordinates="
     (('"3,0"', '"1,2"'), 'ground "r": its rim meets itself, or it has no area'),
     (('"3,2"/><Corner Coordinates="1,2"', '"1,2"/><Corner Coordinates="3,2"'), 'ground "r": its rim meets itself'),
     (('<Corner Coordinates="3,2"/><Corner Coordinates="1,2"/>', ""), 'ground "r" has 2 corners: it needs three'),
-    (('<Corner Coordinates="3,2"/>', '<Corner Coordinates="3,2"/>' * 1), ""),
+    (('Held="0.5"', 'Held="0.25"'), ""),
+    (('Coordinates="1,2"', 'Coordinates="1,nowhere"'), 'Coordinates="1,nowhere"'),
+    (('<Corner Coordinates="22,0"/></Link>', '<Corner Coordinates="20,1e3"/></Link>'), "from 0.1 to 50 m long"),
     (("</Geometry>", RAMP + "</Geometry>"), "duplicate Id"),
     (('<Corner Coordinates="22,0"/></Link>', "</Link>"), 'link "l" has 3 corners: it needs four'),
 ])
@@ -236,3 +245,64 @@ def test_what_cannot_be_a_ground_or_a_link_is_refused(lemons, tmp_path, change, 
     done = subprocess.run([str(lemons), "check", "T"], cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode != 0) == bool(said) and said in done.stdout + done.stderr, done.stdout + done.stderr
     assert not said or "Geometry.xml:" in done.stdout + done.stderr
+
+
+def test_who_is_not_behind_the_line_but_behind_a_wall_stays(lemons, tmp_path):
+    """Another room may begin in the strip."""
+    walls = FLOORS.replace('"10.6,', '"10.2,').replace("  <Link", '  <Wall Id="c" MaterialId="concrete"><Corner Coordinates="10.21,-1"/><Corner Coordinates="10.21,3"/><Corner Coordinates="14,3"/><Corner Coordinates="14,-1"/><Corner Coordinates="10.21,-1"/></Wall>\n  <Link')
+    (tmp_path / "floors.xml").write_text(walls)
+    scenario = 'geometry = "floors.xml"\nnumber = 1\nregions = [{ corners = [[10.22, 0.2], [10.72, 0.2], [10.72, 1.8], [10.22, 1.8]] }]\ntime_step = 0.02\n'
+    rows = run(lemons, tmp_path, scenario, "--until", 0.2)
+    assert rows[-1]["x"] == rows[0]["x"] and 10.22 < rows[0]["x"] < 10.5
+
+
+@pytest.mark.parametrize("balance", ["pendulum", "two-level"])
+def test_who_stands_keeps_the_balance_over_a_link(lemons, tmp_path, balance):
+    """Legs come along: the outside is nobody's fall."""
+    (tmp_path / "floors.xml").write_text(FLOORS)
+    scenario = f'geometry = "floors.xml"\nnumber = 1\nregions = [{{ corners = [[10.05, 0.4], [10.55, 0.4], [10.55, 1.6], [10.05, 1.6]] }}]\n[decision]\nbalance = "{balance}"\n'
+    scenario += "desired_speed = 0.0\ngoals = [{ polygon = [[-9, -9], [40, -9], [40, 20], [-9, 20]] }]\n"
+    rows = run(lemons, tmp_path, scenario, "--until", 3)
+    assert rows[0]["x"] < 10.6 and rows[-1]["x"] > 19.9
+    assert max(math.hypot(row["vx"], row["vy"]) for row in rows) < 0.05 and rows[-1]["fallen"] == 0
+
+
+def test_with_coarse_frames_nobody_crosses_a_line_between_floors(lemons, tmp_path):
+    (tmp_path / "floors.xml").write_text(FLOORS)
+    run(lemons, tmp_path, ON_FLOORS.format(number=5, to=4.0, model="rotational"), "--until", 20, "--every", 100)
+    counted = subprocess.run([str(lemons), "measure", "run.csv", "--trial", "T", "--line", "15,-5,15,9"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert "nobody crossed it" in counted.stdout
+
+
+@pytest.mark.parametrize("model", ["rotational", "social-force", "collision-free-speed"])
+def test_nobody_evades_on_stairs(lemons, tmp_path, model):
+    """Two ahead stand; who comes up behind them wants no speed to the side."""
+    scenario = f"""\
+box = [10.0, 4.0]
+number = 6
+regions = [{{ corners = [[2, 1], [4, 1], [4, 3], [2, 3]] }}]
+grounds = [{{ {SQUARE}, downhill = 180, riser = 0.17, tread = 0.29 }}]
+[decision]
+model = "{model}"
+waypoints = [{{ x = 60.0, y = 2.0 }}]
+[decision.agents.0]
+desired_speed = 0.2
+[decision.agents.1]
+desired_speed = 0.3
+"""
+    (tmp_path / "scenario.toml").write_text(scenario)
+    for words in (["crowd", "--scenario", "scenario.toml", "-o", "T"], ["run", "T", "-o", "run.rows", "--format", "csv", "--outputs", "table.csv", "--until", "3"]):
+        done = subprocess.run([str(lemons), *words], cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+    with (tmp_path / "table.csv").open() as table:
+        rows = [{key: float(value) for key, value in row.items() if key == "t" or ".Fp." in key} for row in csv.DictReader(table)]
+    with (tmp_path / "run.rows").open() as table:
+        places = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(table)]
+    for i in range(6):
+        at = {row["t"]: (row["x"], row["y"]) for row in places if row["id"] == i}
+        for row in rows[1:]:
+            x, y = at[row["t"]]
+            way = math.atan2(2.0 - y, 60.0 - x)
+            fx, fy = row[f"decision.agent[{i}].Fp.x"], row[f"decision.agent[{i}].Fp.y"]
+            across = fy * math.cos(way) - fx * math.sin(way)
+            assert abs(across) < 1e-4 * (1 + math.hypot(fx, fy)) and fx > -1e-9

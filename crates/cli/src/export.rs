@@ -8,7 +8,7 @@ use crate::trajectories::ReadingArguments;
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use lemons_core::files::input;
-use lemons_core::trial::Trial;
+use lemons_core::trial::{Geometry, Trial};
 use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
 use lemons_master::TrialInput;
 use lemons_people::drawing::{self, write_plan};
@@ -265,7 +265,10 @@ impl Arguments {
             if format == drawing::DrawingFormat::Wkt && exits > 0 { "; exits are not in it" } else { "" };
         let opens = trial.geometry.walls.iter().any(|wall| wall.open.is_some());
         let opens = if opens { "; walls that open are as closed ones in it" } else { "" };
-        Ok(say!("{}: {walls} walls, {exits} exits{left}{opens}", out.display())?)
+        let Geometry { grounds, links, .. } = &trial.geometry;
+        let level = grounds.is_empty() && links.is_empty();
+        let flat = if level { "" } else { "; slopes, stairs and links are not in it" };
+        Ok(say!("{}: {walls} walls, {exits} exits{left}{opens}{flat}", out.display())?)
     }
 
     /// Writes the Trial that continues from the end of a run of `before`, with the `decision.toml` of those who are there.

@@ -9,7 +9,7 @@ use crate::stuck::{StuckAction, StuckState, normal, share};
 use crate::target::{Arrival, Destination, Ways};
 use crate::walking_model::{DesiredMotion, Walking};
 use lemons_core::plane::{Motion, Pose, Vec2, vec2};
-use lemons_core::trial::{Ground, Link};
+use lemons_core::trial::{Ground, Link, carried_from};
 use lemons_fmi::{Answer, refuse};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -37,8 +37,6 @@ const LEAST_TURN: f64 = 1e-3;
 const NOISE_TIME: f64 = 4.3;
 /// \[m/s\] Who never wants to be faster than this sways in proportion to the desired speed, and its noise is so, too.
 const UNHURRIED: f64 = 0.5;
-/// \[m\] Who is further away than this after a step was carried over a link.
-const JUMP: f64 = 1.0;
 /// \[1/s\] Lowest frequency of swaying, and by how much it may be higher.
 const SWAYING: [f64; 2] = [0.7, 0.4];
 
@@ -94,10 +92,16 @@ impl AgentState {
         OwnMotion { at, velocity, damping, stature, lean: Vec2::zeros(), steps: true }
     }
 
-    /// \[m\] Where the agent came from; `links`: who is far from there was carried over a link.
+    /// \[m\] Where the agent came from; who was carried over a link, from a place in front of its line.
     fn from(&self, links: &[Link]) -> Vec2 {
-        let walked = |last: &Vec2| links.is_empty() || (self.at() - last).norm() < JUMP;
-        self.last.filter(walked).unwrap_or(self.at())
+        let Some(last) = self.last else { return self.at() };
+        carried_from(links, last, self.at()).unwrap_or(last)
+    }
+
+    /// Its legs; of who was carried over a link, those under the body.
+    fn legs(&self, links: &[Link]) -> Legs {
+        let carried = self.last.and_then(|last| carried_from(links, last, self.at()));
+        carried.map_or(self.legs, |_| self.legs.under(&self.motion(), self.legs.stands))
     }
 }
 
@@ -339,11 +343,13 @@ impl Decision {
             let agent = &self.agents[i];
             agent.walker.lean(&mut drive, agent.velocity, &lean);
         }
+        let mut stands = false;
         if let Some(balance) = self.plan.balance {
             self.decide_legs(&balance);
             let legs = self.legs.as_ref().and_then(|legs| legs[i]).filter(|legs| legs.stands);
             // Whatever a model of walking wants of those who stand, only the ground acts on them.
             if let Some(legs) = legs {
+                stands = true;
                 let agent = &self.agents[i];
                 drive.force = (balance.drive(&legs, &self.leaning(i)) * agent.walker.mass).into();
                 drive.torque = if balance.lies(&legs) { 0.0 } else { drive.torque };
@@ -352,9 +358,10 @@ impl Decision {
                 }
             }
         }
-        if let Some(ground) = self.plan.ground_at(self.agents[i].at()) {
-            // Feet hold what pulls downhill, but for who leans.
-            let held = 1.0 - lean.map_or(0.0, |lean| lean.part);
+        if let Some(ground) = self.plan.grounds.at(self.agents[i].at()) {
+            // Feet hold what pulls downhill. Who leans downhill, and does not stand on legs, lets go.
+            let free = |lean: Lean| lean.part * lean.direction.dot(&ground.downhill()).max(0.0);
+            let held = 1.0 - lean.filter(|_| !stands).map_or(0.0, free);
             let held = ground.pull() * (held * self.agents[i].walker.mass);
             drive.force = (Vec2::from(drive.force) - held).into();
         }
@@ -446,11 +453,13 @@ impl Decision {
         };
         let stuck = &self.agents[i].stuck;
         if let Some((direction, speed)) = self.goes(i) {
-            if self.plan.ground_at(self.agents[i].at()).is_some_and(Ground::is_stairs) {
-                // Feet need the steps ahead: nobody evades or sways.
-                wanted.velocity = direction * wanted.velocity.dot(&direction);
-            }
+            // Feet need the steps ahead: on stairs nobody evades, sways or steps aside.
+            let on_stairs = self.plan.grounds.at(self.agents[i].at()).is_some_and(Ground::is_stairs);
+            let along = |vector: Vec2| direction * vector.dot(&direction).max(0.0);
             match stuck.action(direction, speed) {
+                StuckAction::Walk | StuckAction::Step(_) if on_stairs => {
+                    (wanted.velocity, wanted.force) = (along(wanted.velocity), along(wanted.force));
+                }
                 StuckAction::Walk => {}
                 StuckAction::Step(velocity) => {
                     (wanted.velocity, wanted.speed, wanted.force) =

@@ -40,7 +40,7 @@ pub(crate) const LAST: f64 = 1.5;
 /// Parts of a step by which the grid is shifted: nodes do not lie on walls with round coordinates.
 const SHIFT: Vec2 = vec2(0.382, 0.417);
 
-/// Bits of [`Grid::links`].
+/// Bits of [`Grid::open_sides`].
 const LEFT: u8 = 1;
 const RIGHT: u8 = 2;
 const BELOW: u8 = 4;
@@ -55,7 +55,7 @@ pub struct Grid {
     columns: usize,
     rows: usize,
     /// Of each node, as bits: to which of the next nodes no wall is between, and whether faces are beside it.
-    links: Vec<u8>,
+    open_sides: Vec<u8>,
     /// Price of each node: how many metres a metre counts; infinite where nobody can be.
     price: Vec<f64>,
     faces: Vec<[Vec2; 2]>,
@@ -123,19 +123,19 @@ impl Grid {
             step,
             columns,
             rows,
-            links: vec![LEFT | RIGHT | BELOW | ABOVE; nodes],
+            open_sides: vec![LEFT | RIGHT | BELOW | ABOVE; nodes],
             price: vec![f64::INFINITY; nodes],
             faces,
             carried: HashMap::new(),
             beside: HashMap::new(),
         };
         for row in 0..rows {
-            grid.links[row * columns] &= !LEFT;
-            grid.links[row * columns + columns - 1] &= !RIGHT;
+            grid.open_sides[row * columns] &= !LEFT;
+            grid.open_sides[row * columns + columns - 1] &= !RIGHT;
         }
         for column in 0..columns {
-            grid.links[column] &= !BELOW;
-            grid.links[nodes - columns + column] &= !ABOVE;
+            grid.open_sides[column] &= !BELOW;
+            grid.open_sides[nodes - columns + column] &= !ABOVE;
         }
         for k in 0..grid.faces.len() {
             grid.put_face(k);
@@ -161,7 +161,10 @@ impl Grid {
                     (0.0..self.columns as f64).contains(&column) && (0.0..self.rows as f64).contains(&row);
                 if passage.is_beyond(at) && self.price[node].is_finite() && inside {
                     let to = row as usize * self.columns + column as usize;
-                    self.carried.entry(to).or_default().push(node);
+                    let from = self.carried.entry(to).or_default();
+                    if !from.contains(&node) {
+                        from.push(node);
+                    }
                 }
             }
         }
@@ -191,14 +194,14 @@ impl Grid {
             for (there, other, bits) in
                 [(next, node + 1, [RIGHT, LEFT]), (up, node + self.columns, [ABOVE, BELOW])]
             {
-                if self.links[node] & bits[0] != 0 && segments_touch(at, there, from, to) {
-                    self.links[node] &= !bits[0];
-                    self.links[other] &= !bits[1];
+                if self.open_sides[node] & bits[0] != 0 && segments_touch(at, there, from, to) {
+                    self.open_sides[node] &= !bits[0];
+                    self.open_sides[other] &= !bits[1];
                 }
             }
             if self.is_beside(node, [from, to]) {
                 self.beside.entry(node).or_default().push(k as u32);
-                self.links[node] |= FACES;
+                self.open_sides[node] |= FACES;
             }
         }
     }
@@ -337,8 +340,8 @@ impl Grid {
 
     /// Returns the nodes to the left, right, below and above, where no wall is between.
     fn neighbours(&self, node: usize) -> [Option<usize>; 4] {
-        let (links, columns) = (self.links[node], self.columns);
-        let next = |bit, other| if links & bit != 0 { Some(other) } else { None };
+        let (open_sides, columns) = (self.open_sides[node], self.columns);
+        let next = |bit, other| if open_sides & bit != 0 { Some(other) } else { None };
         [
             next(LEFT, node.wrapping_sub(1)),
             next(RIGHT, node + 1),
@@ -487,7 +490,7 @@ impl Grid {
         ];
         // Also a node in whose very place somebody stands counts a little.
         let mut around = corners.map(|(node, x, y)| (node, x * y + 1e-6));
-        if self.links[first] & FACES != 0 {
+        if self.open_sides[first] & FACES != 0 {
             let faces = || self.beside[&first].iter().map(|&face| self.faces[face as usize]);
             for (node, share) in &mut around {
                 if faces().any(|[a, b]| segments_touch(at, self.place(*node), a, b)) {

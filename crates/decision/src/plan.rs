@@ -18,7 +18,7 @@ use crate::walking_model::WalkingModel;
 use destinations::{destinations, targets_of, ways};
 use lemons_core::files::input;
 use lemons_core::plane::{Pose, Vec2, vec2};
-use lemons_core::trial::{Ground, Link, Trial, Wall};
+use lemons_core::trial::{Grounds, Link, Trial, Wall};
 use lemons_fmi::fingerprint;
 pub use normalized::normalized;
 use std::collections::HashSet;
@@ -82,7 +82,7 @@ pub struct Plan {
     /// Walls that open.
     pub doors: Vec<Wall>,
     /// Slopes and stairs.
-    pub grounds: Vec<Ground>,
+    pub grounds: Grounds,
     /// Lines that are one.
     pub links: Vec<Link>,
     /// Groups that stay together: places of their members in `agents`.
@@ -214,7 +214,7 @@ impl Plan {
             seed,
             walls,
             doors,
-            grounds: trial.geometry.grounds.clone(),
+            grounds: Grounds::new(&trial.geometry.grounds),
             links: trial.geometry.links.clone(),
             groups,
             walking_model,
@@ -295,11 +295,6 @@ impl Plan {
             }
         }
         later
-    }
-
-    /// Returns the slope or the stairs at a place \[m\].
-    pub(crate) fn ground_at(&self, place: Vec2) -> Option<&Ground> {
-        self.grounds.iter().find(|ground| ground.area.contains(place))
     }
 
     /// Returns whether somebody chooses an exit by more than where it is: by the expected time, by what is open, or with

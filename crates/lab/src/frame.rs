@@ -4,11 +4,11 @@ use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::{Pair, World};
 use crowd_mechanics::setup::Setup;
 use lemons_core::plane::{InPlane, Motion, Pose, Twist, Vec2, vec2};
-use lemons_core::trial::{Interactions, Trial};
+use lemons_core::trial::{Interactions, Link, Trial, carried_from};
 use lemons_people::placing::TOLERANCE;
 use lemons_results::Frame;
 use lemons_results::columns::Effect;
-use lemons_results::measure::{CountingLine, Way, is_walked};
+use lemons_results::measure::{CountingLine, Way};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -17,9 +17,6 @@ use std::collections::BTreeSet;
 /// \[N\], x and y of the middle of the feet \[m\], 1 for who wants to get on and else 0. The place of who has left is not
 /// a number, nor are place and velocity of who has not come yet, nor feet where people have no legs.
 pub const COLUMNS: usize = 12;
-
-/// \[s\] Frames of a page are not further apart.
-const LONGEST_STEP: f64 = 0.5;
 
 /// Returns a frame as bytes: [`COLUMNS`] doubles for each agent, little-endian. `going`: who wants to get on.
 pub fn bytes(frame: &Frame, going: &[bool]) -> Vec<u8> {
@@ -126,7 +123,7 @@ pub(crate) struct Flow {
 ///
 /// # Errors
 /// The bytes are no frames, or there are none.
-pub fn flow(people: usize, line: [[f64; 2]; 2], bytes: &[u8]) -> Result<Reply, Refused> {
+pub fn flow(people: usize, links: &[Link], line: [[f64; 2]; 2], bytes: &[u8]) -> Result<Reply, Refused> {
     let size = 8 * COLUMNS * people;
     require(!bytes.is_empty() && bytes.len().is_multiple_of(size), || {
         format!("{} bytes are not frames of {people} people", bytes.len())
@@ -138,7 +135,8 @@ pub fn flow(people: usize, line: [[f64; 2]; 2], bytes: &[u8]) -> Result<Reply, R
     for (k, pair) in frames.windows(2).enumerate() {
         for (agent, (before, after)) in pair[0].agents.iter().zip(&pair[1].agents).enumerate() {
             let [before, after] = [before, after].map(|motion| motion.pose.position);
-            let crossing = line.crossing(before, after).filter(|_| is_walked(before, after, LONGEST_STEP));
+            let crossing =
+                line.crossing(before, after).filter(|_| carried_from(links, before, after).is_none());
             if let Some(crossing) = crossing {
                 crossings.push((k + 1, agent, if crossing.way == Way::Right { 1 } else { -1 }));
             }

@@ -163,7 +163,10 @@ impl Lab {
             }
             Request::Advance { run, steps } => self.present(*run)?.advance(*steps),
             Request::Forces { run, time } => self.present(*run)?.forces(bytes, *time),
-            Request::Flow { run, line } => frame::flow(self.present(*run)?.people(), *line, bytes),
+            Request::Flow { run, line } => {
+                let run = self.present(*run)?;
+                frame::flow(run.people(), run.links(), *line, bytes)
+            }
             Request::Map { run, of, fresh } => {
                 let run = self.present(*run)?;
                 map::add(&mut run.map, &run.loaded, *of, *fresh, bytes)

@@ -7,6 +7,7 @@ use crate::map::Map;
 use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::{PairForce, World};
 use lemons_core::plane::Pose;
+use lemons_core::trial::Link;
 use lemons_people::Figure;
 use lemons_results::Frame;
 use lemons_sim::{Algorithm, Clock, Observer, Replay, Simulation, Stepper};
@@ -75,6 +76,11 @@ impl LabRun {
     /// Its bodies.
     pub fn world(&self) -> &World {
         self.simulation.world().expect("a run has begun")
+    }
+
+    /// Returns the links of its plan.
+    pub fn links(&self) -> &[Link] {
+        &self.loaded.trial.geometry.links
     }
 
     /// How many people there are.

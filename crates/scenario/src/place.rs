@@ -192,7 +192,7 @@ impl Scenario {
             let free = FreeSpace { region, rooms, obstacles, walls: Vec::new() };
             vec![StandingArea { free, name: name.clone(), amount: (None, None) }]
         } else {
-            grounds(&regions, &geometry, &name)?
+            standing_areas(&regions, &geometry, &name)?
         };
         let has_regions = !regions.is_empty();
         let doors = self.all_doors(drawn.as_mut());
@@ -262,7 +262,7 @@ impl Scenario {
 }
 
 /// The ground of each region, in their order, among walls. `place` is as the user named the whole.
-fn grounds(regions: &[RegionForm], geometry: &Geometry, place: &str) -> Result<Vec<StandingArea>> {
+fn standing_areas(regions: &[RegionForm], geometry: &Geometry, place: &str) -> Result<Vec<StandingArea>> {
     let mut drawn: Vec<Region> = Vec::new();
     let mut grounds = Vec::new();
     for (k, region) in regions.iter().enumerate() {

@@ -71,7 +71,8 @@ impl<'a> Accumulators<'a> {
                 MeasureKind::Line(of) => {
                     let line = places.line(&of.line)?;
                     let width = of.width_at(point, line, &spec.points)?;
-                    Accumulator::Line(of, Passages::over(line, people), width)
+                    let passages = Passages::over(line, people).with_links(&trial.geometry.links);
+                    Accumulator::Line(of, passages, width)
                 }
                 MeasureKind::Area(of) => Accumulator::Area(of, places.area(&of.area)?, Vec::new()),
                 MeasureKind::Squeeze(of) => {

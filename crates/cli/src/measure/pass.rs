@@ -28,7 +28,9 @@ pub fn pass(
     let Arguments { lines, areas, above, over, width, from, .. } = arguments;
     let (ids, until) = (record.ids(), arguments.until.and_then(Until::time));
     let people = ids.len();
-    let mut passages: Vec<_> = lines.iter().map(|line| Passages::over(line.what, people)).collect();
+    let links = trial.map_or(&[][..], |trial| &trial.geometry.links);
+    let begun = lines.iter().map(|line| Passages::over(line.what, people).with_links(links));
+    let mut passages: Vec<_> = begun.collect();
     let mut densities: Vec<Vec<Density>> = vec![Vec::new(); areas.len()];
     let mut exposure = SqueezeOverTime::new(people, above, *over);
     let mut parts = [(); 2].map(|()| SqueezeOverTime::new(people, &[], None));

@@ -10,6 +10,7 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 use crowd_mechanics::engine::PairForce;
 use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::carried_from;
 use lemons_picture::{
     Bounds, Colour, DrawnForce, Fill, PictureScene, Style, Theme, Trail, Values, ids_without_room,
 };
@@ -348,7 +349,12 @@ impl<'r> Scenes<'r> {
         let there = (0..state.agents.len()).filter(|agent| state.frame.is_there(*agent));
         let simulated = there.map(|agent| {
             let past = frames().map(|frame| frame.agents[agent].pose.position);
-            let points = thinned(past.chain([state.agents[agent].pose.position]));
+            let mut ways: Vec<Vec2> = past.chain([state.agents[agent].pose.position]).collect();
+            // On the floor where somebody is.
+            let links = &self.run.trial.geometry.links;
+            let carried = ways.windows(2).rposition(|two| carried_from(links, two[0], two[1]).is_some());
+            ways.drain(..carried.map_or(0, |before| before + 1));
+            let points = thinned(ways.into_iter());
             Trail { agent, measured: false, points }
         });
         let measured = self.measured.iter().flat_map(|measured| {

@@ -1,6 +1,6 @@
 //! `<Ground>`: parts of the plan that are slopes or stairs.
 
-use crate::plane::{Ring, Vec2, rotation, vec2};
+use crate::plane::{Bounds, Ring, Vec2, rotation, vec2};
 use crate::require;
 use crate::trial::schema::{AttributeValue, Schema};
 use crate::trial::xml::Element;
@@ -13,7 +13,7 @@ const STEEPEST: f64 = 1.0;
 /// \[m\] Half the length of the arrow downhill.
 const ARROW: f64 = 0.4;
 /// Most contour lines of a ground.
-const MOST_CONTOURS: f64 = 1000.0;
+const MOST_CONTOURS: f64 = 300.0;
 /// Most corners of a ground.
 const MOST_CORNERS: usize = 1000;
 /// Most grounds of a Trial.
@@ -33,6 +33,37 @@ pub struct Ground {
     /// `SpeedDown` and `SpeedUp`: factors of the speeds of who walks straight down and up; `None` if they follow
     /// from the fall.
     pub speeds: [Option<f64>; 2],
+}
+
+/// All slopes and stairs of a Trial.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Grounds(Vec<(Bounds, Ground)>);
+
+impl Grounds {
+    /// Makes them, in file order.
+    pub fn new(grounds: &[Ground]) -> Grounds {
+        Grounds(grounds.iter().map(|ground| (ground.area.bounds(), ground.clone())).collect())
+    }
+
+    /// Returns whether all is level.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Returns them, in file order.
+    pub fn iter(&self) -> impl Iterator<Item = &Ground> {
+        self.0.iter().map(|(_, ground)| ground)
+    }
+
+    /// Returns the number of the ground at a place \[m\]: of several, the first one.
+    pub fn number_at(&self, place: Vec2) -> Option<usize> {
+        self.0.iter().position(|(bounds, ground)| bounds.contains(place) && ground.area.contains(place))
+    }
+
+    /// Returns the ground at a place \[m\].
+    pub fn at(&self, place: Vec2) -> Option<&Ground> {
+        self.number_at(place).map(|number| &self.0[number].1)
+    }
 }
 
 /// How a ground falls.
@@ -95,16 +126,18 @@ impl Ground {
     }
 
     /// Returns the lines \[m\] with which it is drawn: the rim, an arrow downhill, and contour lines: of stairs the edges of
-    /// the steps, of a slope one each 0.1 m of height.
+    /// the steps, of a slope one each 0.1 m of height, but not nearer than 0.2 m. A large one has fewer.
     pub fn lines(&self) -> Vec<Vec<Vec2>> {
         let distance = match self.incline {
+            Incline::Slope { angle: 0.0, .. } => return vec![self.area.closed().to_vec()],
             Incline::Slope { angle, .. } => (0.1 / libm::tan(angle)).clamp(0.2, 1e9),
             Incline::Stairs { tread, .. } => tread,
         };
         let (down, bounds) = (self.downhill(), self.area.bounds());
         let (across, half) = (vec2(-down.y, down.x), 0.5 * bounds.size().norm());
         let middle = (bounds.low + bounds.high) * 0.5;
-        let count = (half / distance).min(0.5 * MOST_CONTOURS) as i32;
+        let distance = distance.max(2.0 * half / MOST_CONTOURS);
+        let count = (half / distance) as i32;
         let line = |k: i32| {
             let at = middle + down * (f64::from(k) * distance);
             let crossing = |(a, b): (Vec2, Vec2)| {
@@ -118,11 +151,8 @@ impl Ground {
         let (arrow, wide) = (down * ARROW, across * (0.5 * ARROW));
         let (tip, neck) = (middle + arrow, middle + arrow * 0.5);
         let arrow = [vec![middle - arrow, tip], vec![neck - wide, tip, neck + wide]];
-        [self.area.closed().to_vec()]
-            .into_iter()
-            .chain(arrow)
-            .chain((-count..=count).flat_map(line))
-            .collect()
+        let contours = (-count..=count).flat_map(line).take(MOST_CONTOURS as usize);
+        [self.area.closed().to_vec()].into_iter().chain(arrow).chain(contours).collect()
     }
 
     /// \[m/s²\] Returns the acceleration downhill of who is not held further: (1 − held) g sin α.
@@ -207,7 +237,8 @@ pub(crate) fn read(element: Element<'_>, id: String, corners: Vec<Vec2>) -> Opti
     };
     let ground = Ground { id, area: Ring::through(corners)?, downhill, incline, speeds };
     // What is no number was said.
-    let said = values(&ground).iter().flatten().any(|value| value.is_nan());
+    let corners = ground.area.corners().iter().flat_map(|corner| [corner.x, corner.y]);
+    let said = values(&ground).into_iter().flatten().chain(corners).any(f64::is_nan);
     if let (false, Err(why)) = (said, ground.check()) {
         element.error(format!("ground {}: {why}", quoted(&ground.id)));
     }

@@ -232,6 +232,9 @@ impl Pendulum {
         let reach = if motion.steps { self.step_length } else { 0.0 };
         let falls = to.norm() > reach + self.support;
         // A body that nothing holds would be faster and faster.
+        if !falls && !motion.steps {
+            return;
+        }
         let step = if falls { to } else { at_most(to + ahead, self.step_length) };
         legs.at += step * around.room(legs.at, step, self.feet_distance);
         legs.fallen |= falls;

@@ -114,7 +114,7 @@ impl Decision {
     /// Computes the aim of an agent at its present pose. On slopes and stairs the speed is another one.
     pub(super) fn find_aim(&self, i: usize) -> Aim {
         let mut aim = self.find_level_aim(i);
-        if let (Some((way, speed)), Some(ground)) = (&mut aim.goes, self.plan.ground_at(self.agents[i].at()))
+        if let (Some((way, speed)), Some(ground)) = (&mut aim.goes, self.plan.grounds.at(self.agents[i].at()))
         {
             *speed *= ground.speed_factor(*way);
         }

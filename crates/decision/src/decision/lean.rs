@@ -23,7 +23,7 @@ impl Decision {
         let lean = self.leans.as_ref().and_then(|leans| leans[i]).unwrap_or_default();
         OwnMotion {
             lean: lean.direction * (lean.part * lean.force / agent.walker.mass),
-            steps: !self.plan.ground_at(agent.at()).is_some_and(Ground::is_stairs),
+            steps: !self.plan.grounds.at(agent.at()).is_some_and(Ground::is_stairs),
             ..agent.motion()
         }
     }

@@ -65,7 +65,7 @@ impl Decision {
         let wants = self.intent(i).speed > STILL;
         let agent = &self.agents[i];
         Some(match agent.last {
-            Some(_) => balance.decided(agent.legs, &agent.motion(), wants),
+            Some(_) => balance.decided(agent.legs(&self.plan.links), &agent.motion(), wants),
             None => agent.legs.under(&agent.motion(), !wants),
         })
     }

@@ -1,9 +1,10 @@
 //! People who have crossed a line so far.
 
 use crate::Frame;
-use crate::measure::crossing::{CountingLine, Crossing, Way, is_walked};
+use crate::measure::crossing::{CountingLine, Crossing, Way};
 use crate::measure::present;
 use lemons_core::plane::Vec2;
+use lemons_core::trial::{Link, carried_from};
 
 /// A person crosses a line for the first time in a direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +19,8 @@ pub struct Passage {
 #[derive(Debug, Clone)]
 pub struct Passages {
     line: CountingLine,
+    /// Who is carried over one crosses no line.
+    links: Vec<Link>,
     /// \[s\] The newest frame.
     time: f64,
     people: Vec<Person>,
@@ -34,7 +37,13 @@ struct Person {
 impl Passages {
     /// Begins to count over a line.
     pub fn over(line: CountingLine, people: usize) -> Passages {
-        Passages { line, time: f64::NAN, people: vec![Person::default(); people] }
+        let people = vec![Person::default(); people];
+        Passages { line, links: Vec::new(), time: f64::NAN, people }
+    }
+
+    /// Returns the same in a plan with links.
+    pub fn with_links(self, links: &[Link]) -> Passages {
+        Passages { links: links.to_vec(), ..self }
     }
 
     /// Adds the next frame. Who is in no frame between two is not followed between them.
@@ -43,7 +52,7 @@ impl Passages {
         for (agent, person) in self.people.iter_mut().enumerate() {
             let place = present(frame, agent).map(|motion| motion.pose.position);
             if let (Some(from), Some(to)) = (person.place, place)
-                && is_walked(from, to, frame.time - before)
+                && carried_from(&self.links, from, to).is_none()
                 && let Some(Crossing { way, part }) = line.crossing(from, to)
             {
                 person.crossed[way as usize].push(before + part * (frame.time - before));
