@@ -22,7 +22,6 @@ import hashlib
 import math
 import os
 import re
-import resource
 import subprocess
 from pathlib import Path
 
@@ -140,10 +139,17 @@ def lemons(*words):
     return done.stdout
 
 
+def regions(ends, width):
+    """Returns regions of a scenario between these ends: the first Ids are in the first one."""
+    return ", ".join(f"{{ corners = [[{a}, 0], [{b}, 0], [{b}, {width}], [{a}, {width}]] }}" for a, b in zip(ends, ends[1:]))
+
+
 class Scene:
     """People before a barrier, in files that a user could have written."""
 
-    def __init__(self, target, name, length, width, people, push, *, friction=0.1, round_bodies=False, overlap=False, angle=0.0, held=HELD, both_ways=False):
+    def __init__(
+        self, target, name, length, width, people, push, *, friction=0.1, round_bodies=False, overlap=False, angle=0.0, held=HELD, both_ways=False
+    ):
         """Writes NAME.xml and NAME.toml. With `both_ways`, those in the lower half want up."""
         self.target, self.name, self.length, self.width, self.people = target, name, length, width, people
         self.push, self.pull = push, (1 - held) * GRAVITY * math.sin(math.radians(angle))
@@ -152,12 +158,10 @@ class Scene:
         walls = [WALL.format(id=k, x1=corners[a][0], y1=corners[a][1], x2=corners[b][0], y2=corners[b][1]) for k, (a, b) in sides.items()]
         ground = GROUND.format(angle=math.radians(angle), held=held, length=length + 1, width=width + 1) if angle else ""
         (target / f"{name}.xml").write_text(GEOMETRY.format(length=length, width=width, walls="".join(walls), ground=ground))
-        # The first half of the Ids is in the first region.
-        ends = [0, length / 2, length] if both_ways else [0, length]
-        boxes = [f"{{ corners = [[{a}, 0], [{b}, 0], [{b}, {width}], [{a}, {width}]] }}" for a, b in zip(ends, ends[1:])]
-        text = SCENARIO.format(
-            name=name, regions=", ".join(boxes), people=people, extra=(ROUND if round_bodies else "") + ("allow_overlap = true\n" if overlap else ""), friction=friction, middle=width / 2, push=float(push)
-        )
+        extra = (ROUND if round_bodies else "") + ("allow_overlap = true\n" if overlap else "")
+        boxes = regions([0, length / 2, length] if both_ways else [0, length], width)
+        rest = {"name": name, "friction": friction, "middle": width / 2, "push": float(push)}
+        text = SCENARIO.format(regions=boxes, people=people, extra=extra, **rest)
         if both_ways:
             up = [f"{k} = {{ waypoints = [{{ x = -1e5, y = {width / 2} }}] }}\n" for k in range((people + 1) // 2, people)]
             text += "\n[decision.agents]\n" + "".join(up)
@@ -165,11 +169,11 @@ class Scene:
 
     def sweep(self, seeds, until=8.0, since=6.0):
         """Returns means and half 95 % intervals of what SWEEP measures: loads in kN/m, squeezes in kN, people per m²."""
-        text = SWEEP.format(name=self.name, until=until, seeds=seeds, near=max(0, self.length - 3), length=self.length, width=self.width, since=since)
-        (self.target / f"{self.name}_sweep.toml").write_text(text)
-        table, cases = self.target / f"{self.name}.csv", self.target / f"{self.name}_cases.csv"
+        sweep, table, cases = (self.target / f"{self.name}{end}" for end in ("_sweep.toml", ".csv", "_cases.csv"))
+        foot = {"near": max(0, self.length - 3), "length": self.length, "width": self.width}
+        sweep.write_text(SWEEP.format(name=self.name, until=until, seeds=seeds, since=since, **foot))
+        # A sweep goes on with the table that it finds.
         table.unlink(missing_ok=True)
-        sweep = self.target / f"{self.name}_sweep.toml"
         lemons("sweep", sweep, "-o", table, "--threads", 1, "--summary", cases, "--over", "population.seed", "--force")
         row = pd.read_csv(cases).iloc[0]
         per = {"barrier": 1e3, "sides": 1e3, "felt": 1e3 * (until - since), "most": 1e3 * (until - since), "density": 1}
@@ -196,7 +200,7 @@ def cell(measured, by=1.0):
 
 
 def silo(people, width, friction, density=7.0, sideways=0.8):
-    """Returns the share of n times the push that is left behind walls with friction (Janssen 1895): the sides bear `sideways` of the load."""
+    """Returns what friction of the sides leaves of n times the push (Janssen 1895), if they bear `sideways` of the load."""
     a = 2 * friction * sideways * people / (density * width**2)
     return -math.expm1(-a) / a if a else 1.0
 
@@ -212,15 +216,16 @@ def columns(target, arguments):
         "1.2 m, friction 0.1": (1.2, 0.1, False),
         "2.4 m, friction 0.1": (2.4, 0.1, False),
     }
-    print(f"columns: what the barrier gets, as a share of n times {push} N, and what the sides leave by the silo's formula; {arguments.seeds} seeds")
+    print(f"columns: what the barrier gets of n times {push} N (and what the sides leave by the silo's formula), {arguments.seeds} seeds")
     print(" " * 30 + "".join(f"{f'n = {n}':>19}" for n in arguments.people))
     for name, (width, friction, round_bodies) in lanes.items():
         row = []
         for n in arguments.people:
             length = round(0.62 * n + 0.2 if round_bodies else max(0.8, n / 4 / width), 3)
             scene = Scene(target, "column", length, width, n, push, friction=friction, round_bodies=round_bodies)
-            row.append((cell(scene.sweep(arguments.seeds, 12.0, 10.0)["barrier"], width * 1e3 / (n * push)), silo(n, width, friction)))
-        print(f"{name:<30}" + "".join(f"{f'{seen} ({left:.2f})':>19}" for seen, left in row))
+            seen = scene.sweep(arguments.seeds, 12.0, 10.0)["barrier"]
+            row.append(f"{cell(seen, width * 1e3 / (n * push))} ({silo(n, width, friction):.2f})")
+        print(f"{name:<30}" + "".join(f"{part:>19}" for part in row), flush=True)
     print("\nwhat feet hold: 20 people, 1.2 m, no friction; kN")
     for push in (50, 100, 150, 200, 300, 400):
         scene = Scene(target, "feet", 20 / 4 / 1.2, 1.2, 20, push, friction=0.0)
@@ -243,20 +248,27 @@ def terrace(target, arguments):
     table_11_2()
     print(f"\nterrace: load on a barrier of {BARRIER} m in kN/m, wanted 5.0 on both; {arguments.seeds} seeds")
     few = min(arguments.seeds, 5)
-    for push, held, seeds in ((PUSH, HELD, arguments.seeds), (150, HELD, few), (PUSH, 0.0, few), (120, 0.0, few), (PUSH, 1.0, few), (400, 1.0, few)):
+    others = [(150, HELD, few), (PUSH, 0.0, few), (120, 0.0, few), (PUSH, 1.0, few), (400, 1.0, few)]
+    for push, held, seeds in [(PUSH, HELD, arguments.seeds), *others]:
         cells = []
         for angle in (10, 25):
-            depth = DISTANCES[angle][0]
-            scene = Scene(target, f"terrace_{angle}", depth, BARRIER, round(TERRACE_DENSITY * depth * BARRIER), push, angle=angle, held=held)
+            scene = column(target, f"terrace_{angle}", angle, push, held)
             cells.append(f"{angle}°: {cell(scene.sweep(seeds)['barrier'])} ({scene.given() * 1e-3 / BARRIER:.2f} if all lean)")
         print(f"push {push:>3} N, held {held}, {seeds:>3} seeds: " + "   ".join(cells))
+
+
+def column(target, name, angle, push, held):
+    """Returns a column of the Green Guide before a barrier for 5.0 kN/m."""
+    depth = DISTANCES[angle][0]
+    return Scene(target, name, depth, BARRIER, round(TERRACE_DENSITY * depth * BARRIER), push, angle=angle, held=held)
 
 
 def alley(target, arguments):
     """Prints loads and squeezes of a stretch where nobody gets on, and what both are in one run."""
     few = min(arguments.seeds, 5)
     print(f"alley: {ALLEY_WIDTH} m on {ALLEY_ANGLE}°, {ALLEY_DENSITY} people per m² at the start, ends shut, from {SINCE:g} to {UNTIL:g} s")
-    print(f"{'':<34}{'foot, kN/m':>16}{'sides, kN/m':>16}{'squeeze, kN':>16}{'of one in ten':>16}{'per m², lowest 3 m':>20}")
+    heads = {"barrier": "foot, kN/m", "sides": "sides, kN/m", "felt": "squeeze, kN", "most": "of one in ten", "density": "per m², lowest 3 m"}
+    print(f"{'':<34}" + "".join(f"{head:>20}" for head in heads.values()))
     for push, both, length, seeds in (
         (50, False, arguments.length, arguments.seeds),
         (50, True, arguments.length, arguments.seeds),
@@ -268,7 +280,7 @@ def alley(target, arguments):
     ):
         seen = stretch(target, push, both, length).sweep(seeds, UNTIL, SINCE)
         name = f"{push} N, {'both ways' if both else 'one way'}, {length:g} m, {seeds} seeds"
-        print(f"{name:<34}" + "".join(f"{cell(seen[key]):>{w}}" for key, w in (("barrier", 16), ("sides", 16), ("felt", 16), ("most", 16), ("density", 20))))
+        print(f"{name:<34}" + "".join(f"{cell(seen[key]):>20}" for key in heads), flush=True)
     one_run(target, stretch(target, 50, False, arguments.length))
 
 
@@ -302,7 +314,8 @@ def one_run(target, scene):
         print(f"{f'{k} to {k + 2} m':<10}{len(here):>8}{row[0]:>14.0f}{row[1]:>14.0f}{row[2]:>14.0f}")
     print(f"{'all':<10}{len(people):>8}" + "".join(f"{value / len(people):>14.0f}" for value in whole))
     foot = panels[panels["wall"].astype(str) == "1"]
-    print(f"the foot: {foot['impulse'].sum() / (UNTIL - SINCE) / foot['length'].sum():.0f} N/m; what people and ground give: {scene.given() / scene.width:.0f} N/m")
+    load = foot["impulse"].sum() / (UNTIL - SINCE) / foot["length"].sum()
+    print(f"the foot: {load:.0f} N/m; what people and ground give: {scene.given() / scene.width:.0f} N/m")
 
 
 def passage(target, arguments):
@@ -311,14 +324,12 @@ def passage(target, arguments):
     length, width = PASSAGE
     for people, both in ((1000, False), (200, True), (400, True), (800, True)):
         people = math.ceil(people * arguments.part)
-        ends = [(0, length / 2), (length / 2, length)]
-        boxes = [f"{{ corners = [[{a}, 0], [{b}, 0], [{b}, {width}], [{a}, {width}]] }}" for a, b in ends]
         walls = "".join(WALL.format(id=k, x1=-3, y1=y, x2=length + 3, y2=y) for k, y in enumerate((0, width)))
         ground = GROUND.format(angle=math.radians(ALLEY_ANGLE), held=HELD, length=length, width=width + 1)
         (target / "passage.xml").write_text(GEOMETRY.format(length=length, width=width, walls=walls, ground=ground))
         # Those above, with the lower Ids, want down; those below want up.
         exits = "".join(f'{k} = {{ exit = "{"up" if both and k >= (people + 1) // 2 else "down"}" }}\n' for k in range(people))
-        text = OPEN.format(regions=", ".join(boxes), people=people, down=length + 1, width=width)
+        text = OPEN.format(regions=regions([0, length / 2, length], width), people=people, down=length + 1, width=width)
         (target / "passage.toml").write_text(text + "\n[decision.agents]\n" + exits)
         lemons("crowd", "--scenario", target / "passage.toml", "-o", target / "passage", "--force")
         lemons("run", target / "passage", "--until", 60, "--every", 1200, "-o", target / "passage.csv", "--force")
@@ -330,8 +341,7 @@ def passage(target, arguments):
 
 def fmu(target, arguments):
     """Packs the terrace on 10° with the results of a run, and prints digests."""
-    depth = DISTANCES[10][0]
-    trial, *_ = Scene(target, "barrier", depth, BARRIER, round(TERRACE_DENSITY * depth * BARRIER), PUSH, angle=10).trial()
+    trial, *_ = column(target, "barrier", 10, PUSH, HELD).trial()
     packed = target / "barrier.fmu"
     lemons("pack", trial, "--fmi", 3, "--reference", "--until", 4, "-o", packed, "--force")
     print(f"fmu: {packed}, SHA-256 {hashlib.sha256(packed.read_bytes()).hexdigest()}")
@@ -349,7 +359,7 @@ def main():
     arguments.target.mkdir(parents=True, exist_ok=True)
     for name in arguments.cases or CASES:
         CASES[name](arguments.target, arguments)
-        print(f"({resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime:.0f} s of a processor until here)\n", flush=True)
+        print(f"({os.times().children_user:.0f} s of a processor until here)\n", flush=True)
 
 
 if __name__ == "__main__":
