@@ -45,7 +45,8 @@ impl Slopes {
 
     /// \[m/s2\] Returns the pull at a place.
     pub fn pull(&self, place: Vec2) -> Vec2 {
-        let here = self.0.iter().find(|slope| slope.bounds.contains(place) && slope.ground.area.contains(place));
+        let here =
+            self.0.iter().find(|slope| slope.bounds.contains(place) && slope.ground.area.contains(place));
         here.map_or(Vec2::zeros(), |slope| slope.pull)
     }
 

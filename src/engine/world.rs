@@ -3,17 +3,17 @@
 use super::broad_phase::{CellGrid, Crowded, NearMargin, SKIN};
 use super::circle::Circle;
 use super::contacts::{SpringUpdate, Step};
-use super::face::nearest_on_face;
+use super::face::{Face, nearest_on_face};
 use super::free_flight::Course;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
 use super::slope::OnSlopes;
 use super::{
-    Body, BodyId, DiskId, Exposure, Exposures, FaceExposure, InPlane, Scene, Shortlisting, State, Threads,
-    ThreadsError, Vec2, WallId, Work, Wrench,
+    Body, BodyId, DiskId, Exposure, Exposures, FaceExposure, InPlane, Pose, Scene, Shortlisting, State,
+    Threads, ThreadsError, Vec2, WallId, Work, Wrench, rotation,
 };
-use lemons_core::plane::body_meets;
+use lemons_core::plane::{Motion, body_meets};
 use thiserror::Error;
 
 /// Largest number of mechanical steps that is counted.
@@ -214,6 +214,54 @@ impl World {
             faces.iter().any(|face| body_meets(&disks, face.start, face.end))
         };
         !scene.bodies.iter().enumerate().any(is_in)
+    }
+
+    /// Returns whether a body at a pose would touch nobody who is there, and no wall.
+    pub fn has_room(&self, body: BodyId, pose: Pose) -> bool {
+        let (scene, b) = (&self.scene, body.index());
+        let of = &scene.bodies[b];
+        let own = |d: usize| {
+            let disk = &scene.disks[d];
+            (pose.position + rotation(pose.orientation) * disk.offset, disk.radius)
+        };
+        let own: Vec<(Vec2, f64)> = of.disks.clone().map(own).collect();
+        let clear = |other: usize| {
+            let (at, reach) = (self.state.poses[other].position, scene.bodies[other].bounding_radius);
+            (at - pose.position).norm() >= reach + of.bounding_radius
+                || scene.bodies[other].disks.clone().all(|d| {
+                    let at = scene.centre(DiskId::from(d), &self.state.poses);
+                    own.iter().all(|(own, radius)| (at - own).norm() >= radius + scene.disks[d].radius)
+                })
+        };
+        let wall_is_clear = |face: &Face| !body_meets(&own, face.start, face.end);
+        let mut faces = (0..scene.wall_faces.len())
+            .filter(|&w| self.present_walls[w])
+            .flat_map(|w| &scene.faces[scene.wall_faces[w].clone()]);
+        (0..scene.bodies.len()).all(|other| other == b || !self.present[other] || clear(other))
+            && faces.all(wall_is_clear)
+    }
+
+    /// Puts bodies elsewhere, one after the other, if they have room there: people who change the floor. Their contacts
+    /// end; the [`World::exposures`] stay.
+    ///
+    /// # Errors
+    /// More pairs are near each other than the limit of memory allows. The world is then unchanged.
+    pub fn relocate(&mut self, moved: &[(BodyId, Motion)]) -> Result<(), Crowded> {
+        let before = self.state.clone();
+        for (body, Motion { pose, twist }) in moved {
+            if self.has_room(*body, *pose) {
+                let b = body.index();
+                (self.state.poses[b], self.state.twists[b]) = (*pose, *twist);
+            }
+        }
+        if self.state.poses == before.poses {
+            return Ok(());
+        }
+        let exposures = self.exposures.clone();
+        let state = std::mem::replace(&mut self.state, before);
+        self.restore(state)?;
+        self.exposures = exposures;
+        Ok(())
     }
 
     /// Shares the work among this number of threads, of a pool that belongs to this world and its clones. The results

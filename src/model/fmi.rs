@@ -238,6 +238,11 @@ impl Model for CrowdModel {
         if let Err(error) = self.advance_world(length) {
             return Err(StepError::Failed(Refusal::new(Setup::of(&self.trial).name_body(&error))));
         }
+        if let Some(world) = &mut self.world {
+            Setup::of(&self.trial)
+                .carry_over_links(world)
+                .map_err(|error| StepError::Failed(error.into()))?;
+        }
         self.warn_of_coincidence();
         // A rate is used for one step.
         self.settings.rates.clear();

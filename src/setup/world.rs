@@ -2,15 +2,15 @@
 
 use super::Setup;
 use crate::engine::{
-    AdvanceError, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Scene,
-    State, WallId, WallSpec, World, Wrench, elongation_vector,
+    AdvanceError, BodyId, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw,
+    Scene, State, WallId, WallSpec, World, Wrench, elongation_vector,
 };
 use lemons_core::message::{Message, message};
 use lemons_core::plane::{InPlane, Motion, Pose, Twist};
 use lemons_core::rule::sentences::*;
 use lemons_core::trial::{
-    Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, ShapeElement, Wall,
-    WallInteraction, pairs_that_touch, stiffness,
+    Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Link, LinkPassage, Material,
+    ShapeElement, Wall, WallInteraction, pairs_that_touch, stiffness,
 };
 use std::collections::{HashMap, HashSet};
 use thiserror::Error;
@@ -213,6 +213,27 @@ impl Setup<'_> {
             return Ok(());
         }
         world.set_present_walls(&present).map_err(|crowded| self.too_crowded(crowded))
+    }
+
+    /// Moves who has walked over a link to its other side, if there is room; else they wait. It is the end of a step: who
+    /// decides sees people where they are in the next one.
+    ///
+    /// # Errors
+    /// Too many agents are at one place.
+    pub fn carry_over_links(&self, world: &mut World) -> Result<(), WorldError> {
+        let passages: Vec<LinkPassage> = self.geometry.links.iter().flat_map(Link::passages).collect();
+        if passages.is_empty() {
+            return Ok(());
+        }
+        let over = |b: &usize| {
+            let pose = world.state().poses[*b];
+            let passage = passages.iter().find(|passage| passage.is_beyond(pose.position))?;
+            let twist = world.state().twists[*b];
+            Some((BodyId::from(*b), passage.carried(Motion { pose, twist })))
+        };
+        let there = (0..self.agents.len()).filter(|&b| world.present()[b]);
+        let moved: Vec<(BodyId, Motion)> = there.filter_map(|b| over(&b)).collect();
+        world.relocate(&moved).map_err(|crowded| self.too_crowded(crowded))
     }
 
     /// Returns which walls are there at a time \[s\] if nothing is known of before: a closed one is not, if somebody is in it

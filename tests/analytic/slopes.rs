@@ -3,7 +3,7 @@
 use crowd_mechanics::engine::*;
 use crowd_mechanics::scenes::*;
 use lemons_core::plane::Ring;
-use lemons_core::trial::{Fall, GRAVITY, Ground};
+use lemons_core::trial::{GRAVITY, Ground, Incline};
 
 const ANGLE: f64 = 0.2;
 const HELD: f64 = 0.3;
@@ -15,7 +15,7 @@ fn slope(downhill: f64, held: f64) -> Ground {
         id: "0".into(),
         area: Ring::through(corners.to_vec()).unwrap(),
         downhill,
-        fall: Fall::Slope { angle: ANGLE, held },
+        incline: Incline::Slope { angle: ANGLE, held },
         speeds: [None; 2],
     }
 }

@@ -238,6 +238,8 @@ class ScenarioReader(Reader):
     PLACES = {
         "The file": lambda file: file,
         "A region": lambda file: file["regions"][0],
+        "A ground": lambda file: file["grounds"][0],
+        "A link": lambda file: file["links"][0],
         "How a drawing is read": lambda file: file["drawing"],
         "A push": lambda file: file["pushes"][0],
     }
@@ -248,6 +250,11 @@ class ScenarioReader(Reader):
             # One of them takes the others.
             left, right = ([[a, 0], [b, 0], [b, 5], [a, 5]] for a, b in [(0, 3), (3, 5)])
             file["regions"] = [{"corners": left}, {"corners": right}]
+        if heading == "A ground":
+            fall = {"riser": 0.17, "tread": 0.29} if key in ("riser", "tread") else {"angle": 10.0}
+            file["grounds"] = [{"corners": [[0, 0], [3, 0], [3, 5]], "downhill": 90.0, **fall}]
+        if heading == "A link":
+            file["links"] = [{"here": [[3, 0], [3, 2]], "there": [[9, 2], [9, 0]]}]
         if heading == "A push":
             file["pushes"] = [dict(self.PUSH)]
         if key in ("box", "geometry", "room"):
@@ -263,7 +270,7 @@ class ScenarioReader(Reader):
 
 READERS = {DECISION: DecisionReader, SWEEP: SweepReader, SCENARIO: ScenarioReader}
 # Of these two, one must be there, and the other must not.
-EITHER = [("number", "density"), ("line", "polygon"), ("trial", "fmu"), ("parameters", "table"), ("at_least", "at_most")]
+EITHER = [("number", "density"), ("line", "polygon"), ("trial", "fmu"), ("parameters", "table"), ("at_least", "at_most"), ("angle", "riser"), ("angle", "tread")]
 NOT_BOTH = [*EITHER, ("exit", "goal"), ("trial", "population"), ("fmu", "population"), ("trial", "scenario"), ("box", "geometry"), ("box", "room")]
 
 

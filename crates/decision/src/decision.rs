@@ -9,7 +9,7 @@ use crate::stuck::{StuckAction, StuckState, normal, share};
 use crate::target::{Arrival, Destination, Ways};
 use crate::walking_model::{DesiredMotion, Walking};
 use lemons_core::plane::{Motion, Pose, Vec2, vec2};
-use lemons_core::trial::Ground;
+use lemons_core::trial::{Ground, Link};
 use lemons_fmi::{Answer, refuse};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -36,6 +36,8 @@ const LEAST_TURN: f64 = 1e-3;
 const NOISE_TIME: f64 = 4.3;
 /// \[m/s\] Who never wants to be faster than this sways in proportion to the desired speed, and its noise is so, too.
 const UNHURRIED: f64 = 0.5;
+/// \[m\] Who is further away than this after a step was carried over a link.
+const JUMP: f64 = 1.0;
 /// \[1/s\] Lowest frequency of swaying, and by how much it may be higher.
 const SWAYING: [f64; 2] = [0.7, 0.4];
 
@@ -89,9 +91,10 @@ impl AgentState {
         OwnMotion { at, velocity, damping, stature, lean: Vec2::zeros(), steps: true }
     }
 
-    /// \[m\] Where the agent came from.
-    fn from(&self) -> Vec2 {
-        self.last.unwrap_or(self.at())
+    /// \[m\] Where the agent came from; `links`: who is far from there was carried over a link.
+    fn from(&self, links: &[Link]) -> Vec2 {
+        let walked = |last: &Vec2| links.is_empty() || (self.at() - last).norm() < JUMP;
+        self.last.filter(walked).unwrap_or(self.at())
     }
 }
 
@@ -232,7 +235,7 @@ impl Decision {
             let wanted = if sees { self.wanted(i) } else { DesiredMotion::default() };
             let queues = wanted.queues;
             let agent = &mut self.agents[i];
-            let (next, way, at) = (agent.next(), agent.at() - agent.from(), agent.at());
+            let (next, way, at) = (agent.next(), agent.at() - agent.from(&self.plan.links), agent.at());
             // The paper's rule does not see it; and who queues is not stuck.
             if agent.next == agent.walker.waypoints.len() || sees {
                 let moved = agent.last.is_some();

@@ -17,7 +17,7 @@ use crate::walking_model::WalkingModel;
 use destinations::{destinations, targets_of, ways};
 use lemons_core::files::input;
 use lemons_core::plane::{Pose, Vec2, vec2};
-use lemons_core::trial::{Ground, Trial, Wall};
+use lemons_core::trial::{Ground, Link, Trial, Wall};
 use lemons_fmi::fingerprint;
 pub use normalized::normalized;
 use std::fmt::Display;
@@ -81,6 +81,8 @@ pub struct Plan {
     pub doors: Vec<Wall>,
     /// Slopes and stairs.
     pub grounds: Vec<Ground>,
+    /// Lines that are one.
+    pub links: Vec<Link>,
     /// Groups that stay together: places of their members in `agents`.
     pub groups: Vec<Vec<usize>>,
     /// Model of how people walk among others.
@@ -204,6 +206,7 @@ impl Plan {
             walls,
             doors,
             grounds: trial.geometry.grounds.clone(),
+            links: trial.geometry.links.clone(),
             groups,
             walking_model,
             balance,
@@ -337,12 +340,12 @@ impl Plan {
             std::iter::once(own).chain(further).map(|at| (at, agent.destination))
         });
         if !self.chooses() {
-            return Ways::new(&self.walls, &self.targets, places).map(Some);
+            return Ways::new(&self.walls, &self.links, &self.targets, places).map(Some);
         }
         let exits = self.targets.iter().enumerate().filter(|(_, target)| !target.stay);
         let choices =
             exits.map(|(k, exit)| (vec2(exit.corners[0][0], exit.corners[0][1]), Destination::Target(k)));
-        let ways = Ways::new(&self.walls, &self.targets, places.chain(choices))?;
+        let ways = Ways::new(&self.walls, &self.links, &self.targets, places.chain(choices))?;
         let ways = if self.exit_choice == ExitChoice::Time { ways.with_widths()? } else { ways };
         let doors: Vec<Vec<[Vec2; 2]>> = self.doors.iter().map(|door| door.sides().collect()).collect();
         Ok(Some(if doors.is_empty() { ways } else { ways.with_doors(doors)? }))

@@ -4,7 +4,7 @@ use crate::error::{EXIT, GOAL, PlanError};
 use crate::field::{Doors, Field, Gates, Grid, LAST};
 use lemons_core::message::{Message, message};
 use lemons_core::plane::{InPlane, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
-use lemons_core::trial::OpeningTimes;
+use lemons_core::trial::{Link, OpeningTimes};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
@@ -209,12 +209,15 @@ impl Ways {
     /// The area is too large.
     pub fn new(
         walls: &[Vec<Vec2>],
+        links: &[Link],
         targets: &[Target],
         people: impl Iterator<Item = (Vec2, Destination)> + Clone,
     ) -> Result<Ways, PlanError> {
         let shapes: Vec<Shape> = targets.iter().map(Shape::of).collect();
         let places = targets.iter().flat_map(Target::points).chain(people.clone().map(|(at, _)| at));
-        let grid = Grid::new(walls, places)?;
+        let ends = links.iter().flat_map(|link| link.lines.as_flattened()).copied();
+        let grid = Grid::new(walls, places.chain(ends))?;
+        let grid = grid.with_passages(links.iter().flat_map(Link::passages));
         let field = |wanted: &[usize]| {
             let (lines, areas) = lines_and_areas(wanted.iter().map(|k| &shapes[*k]));
             grid.field(&lines, &areas)
@@ -416,7 +419,7 @@ mod tests {
         let exit = Target { name: "exit".into(), stay: false, corners, open: None, time_factor: 1.0 };
         let (beside, on) = (vec2(3.0, 1.0), vec2(2.0, 2.0));
         let people = [beside, on].map(|at| (at, Destination::NearestExit));
-        let ways = Ways::new(&[], &[exit], people.into_iter()).unwrap();
+        let ways = Ways::new(&[], &[], &[exit], people.into_iter()).unwrap();
         let arrived = |at| ways.arrived(Destination::NearestExit, at, at, || 0.2, |_| true);
         assert_eq!((arrived(beside), arrived(on)), (None, Some(Arrival::Leaves)));
     }
@@ -429,7 +432,7 @@ mod tests {
             let corners = vec![[10.0 - depth, 2.0], [10.0, 2.0], [10.0, 6.0], [10.0 - depth, 6.0]];
             let exit = Target { name: "a".into(), stay: false, corners, open: None, time_factor: 1.0 };
             let people = std::iter::once((at, Destination::NearestExit));
-            let ways = Ways::new(std::slice::from_ref(&wall), &[exit], people).unwrap();
+            let ways = Ways::new(std::slice::from_ref(&wall), &[], &[exit], people).unwrap();
             ways.arrived(Destination::NearestExit, at, at, || body, |_| true).is_some()
         };
         for depth in [0.06, 0.15, 0.25] {
@@ -450,7 +453,7 @@ mod tests {
             let corners = vec![[x, y], [right, y], [right, top], [x, top]];
             let exit = Target { name: "a".into(), stay: false, corners, open: None, time_factor: 1.0 };
             let people = std::iter::once((at, Destination::NearestExit));
-            let mut ways = Ways::new(walls, &[exit], people).unwrap();
+            let mut ways = Ways::new(walls, &[], &[exit], people).unwrap();
             ways.doors = ways.grid.doors(vec![doors.to_vec()]);
             ways.arrived(Destination::NearestExit, at, at, || 0.8, |_| true).is_some()
         };

@@ -449,7 +449,7 @@ fn a_door_on_the_line_of_an_exit_is_on_the_way() {
             let exit = Target { name: String::new(), stay: false, corners, open: None, time_factor: 1.0 };
             let [before, other] = [put(7.0, 0.6), put(7.0, 4.6)];
             let people = [before, other, put(0.0, 0.0)].map(|at| (at, Destination::Target(0)));
-            let ways = Ways::new(&walls, &[exit], people.into_iter()).unwrap();
+            let ways = Ways::new(&walls, &[], &[exit], people.into_iter()).unwrap();
             let ways = ways.with_doors(vec![vec![[put(10.0, 0.0), put(10.0, 1.2)]]]).unwrap();
             for (at, count) in [(before, 1), (put(9.9, 0.5), 1), (other, usize::from(high == 1.2))] {
                 let doors: Vec<(usize, f64)> = ways.doors_to(0, at).collect();
@@ -470,7 +470,7 @@ fn a_door_that_somebody_has_passed_is_not_ahead() {
         let exit = Target { name: String::new(), stay: false, corners, open: None, time_factor: 1.0 };
         let walls = [vec![put(10.0, -3.0), put(10.0, 0.0)], vec![put(10.0, 1.2), put(10.0, 4.0)]];
         let people = [(put(7.0, 0.6), Destination::Target(0))];
-        let ways = Ways::new(&walls, &[exit], people.into_iter()).unwrap();
+        let ways = Ways::new(&walls, &[], &[exit], people.into_iter()).unwrap();
         let ways = ways.with_doors(vec![vec![[put(10.0, 0.0), put(10.0, 1.2)]]]).unwrap();
         let count = |x: f64| ways.doors_to(0, put(x, 0.6)).count();
         assert_eq!((count(9.97), count(10.03)), (1, 0), "{k}");

@@ -8,7 +8,7 @@ use lemons_core::trial::{Interactions, Trial};
 use lemons_people::placing::TOLERANCE;
 use lemons_results::Frame;
 use lemons_results::columns::Effect;
-use lemons_results::measure::{CountingLine, Way};
+use lemons_results::measure::{CountingLine, Way, is_walked};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -17,6 +17,9 @@ use std::collections::BTreeSet;
 /// \[N\], x and y of the middle of the feet \[m\], 1 for who wants to get on and else 0. The place of who has left is not
 /// a number, nor are feet where people have no legs.
 pub const COLUMNS: usize = 12;
+
+/// \[s\] Frames of a page are not further apart.
+const LONGEST_STEP: f64 = 0.5;
 
 /// Returns a frame as bytes: [`COLUMNS`] doubles for each agent, little-endian. `going`: who wants to get on.
 pub fn bytes(frame: &Frame, going: &[bool]) -> Vec<u8> {
@@ -133,7 +136,9 @@ pub fn flow(people: usize, line: [[f64; 2]; 2], bytes: &[u8]) -> Result<Reply, R
     let mut crossings = Vec::new();
     for (k, pair) in frames.windows(2).enumerate() {
         for (agent, (before, after)) in pair[0].agents.iter().zip(&pair[1].agents).enumerate() {
-            if let Some(crossing) = line.crossing(before.pose.position, after.pose.position) {
+            let [before, after] = [before, after].map(|motion| motion.pose.position);
+            let crossing = line.crossing(before, after).filter(|_| is_walked(before, after, LONGEST_STEP));
+            if let Some(crossing) = crossing {
                 crossings.push((k + 1, agent, if crossing.way == Way::Right { 1 } else { -1 }));
             }
         }

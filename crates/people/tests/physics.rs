@@ -128,7 +128,11 @@ fn passage() -> Trial {
         let corners = vec![vec2(0.0, y), vec2(PASSAGE.x, y)];
         Wall::new(y.to_string(), "concrete", corners)
     };
-    trial.geometry = Geometry { dimensions: Some(PASSAGE), walls: vec![wall(0.0), wall(PASSAGE.y)], ..Geometry::default() };
+    trial.geometry = Geometry {
+        dimensions: Some(PASSAGE),
+        walls: vec![wall(0.0), wall(PASSAGE.y)],
+        ..Geometry::default()
+    };
     trial
 }
 

@@ -25,7 +25,7 @@ mod voronoi;
 pub use across::Across;
 pub use balance::{BalanceOverTime, Kept};
 pub use by_place::SqueezeMap;
-pub use crossing::{CountingLine, Way};
+pub use crossing::{CountingLine, Way, is_walked};
 pub use density::{Density, MeasuringArea};
 pub use departures::{Departures, Left};
 pub use exposure::{Above, Exposed, SPANS, SqueezeOverTime};

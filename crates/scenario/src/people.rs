@@ -2,13 +2,13 @@
 
 use crate::error::{NO_ROOM, NUMBER, Of, ROUND, Result, ScenarioError, fits, impossible, require};
 use crate::forms::{self, OrientationName};
-use crate::place::{Ground, WalkableRoom};
+use crate::place::{StandingArea, WalkableRoom};
 use crate::{MOST_PEOPLE, Scenario, ScenarioDocuments, drive};
 use lemons_core::files::input;
 use lemons_core::files::source::FileSource;
 use lemons_core::message::message;
 use lemons_core::plane::{Pose, Vec2};
-use lemons_core::trial::PanelChoice;
+use lemons_core::trial::{Ground, Link, PanelChoice};
 use lemons_decision::Plan;
 use lemons_people::placing::{
     Ended, FreeSpace, Method, Orientation, Packing, PlacingSettings, Watch, within_area,
@@ -211,7 +211,7 @@ impl Scenario {
             })?;
         }
         let mut before = 0.0;
-        let mut on = |Ground { free, name, amount }: &Ground| {
+        let mut on = |StandingArea { free, name, amount }: &StandingArea| {
             let area = free.region.area();
             let own = *amount != (None, None);
             let wanted = match if own { *amount } else { (number, density) } {
@@ -271,8 +271,14 @@ impl Scenario {
     }
 
     /// Places shapes on the ground with this number.
-    fn on(&self, ground: &Ground, number: usize, shapes: &[Shape], watch: &mut Watch) -> Result<Packing> {
-        let Ground { free: FreeSpace { region, .. }, name, .. } = ground;
+    fn on(
+        &self,
+        ground: &StandingArea,
+        number: usize,
+        shapes: &[Shape],
+        watch: &mut Watch,
+    ) -> Result<Packing> {
+        let StandingArea { free: FreeSpace { region, .. }, name, .. } = ground;
         // Equal grounds are filled in different ways.
         let seed = self.seed().wrapping_add(number as u64);
         let settings =
@@ -364,6 +370,14 @@ impl Ready<'_> {
         let poses = crowd.packing.poses.iter().copied();
         let placed: Vec<(CrowdMember, Pose)> = agents.iter().cloned().zip(poses).collect();
         let mut geometry = place.geometry.clone();
+        for (k, ground) in scenario.grounds.iter().enumerate() {
+            let id = unused(geometry.grounds.iter().map(|ground| &*ground.id));
+            geometry.grounds.push(Ground { id, ..ground.ground(k)? });
+        }
+        for (k, link) in scenario.links.iter().enumerate() {
+            let id = unused(geometry.links.iter().map(|link| &*link.id));
+            geometry.links.push(Link { id, ..link.link(k)? });
+        }
         if let Some(longest) = scenario.panel_length {
             let panels = PanelChoice::Longest(longest);
             geometry.divide(panels).map_err(|why| impossible(format!("`panel_length`: {why}")))?;
@@ -397,4 +411,10 @@ impl Ready<'_> {
 pub fn round(shape: &Shape) -> Shape {
     let radius = (shape.moments().area / PI).sqrt();
     Shape { disks: vec![Disk { centre: Vec2::zeros(), radius }] }
+}
+
+/// Returns the lowest number that is no Id yet.
+fn unused<'a>(ids: impl Iterator<Item = &'a str> + Clone) -> String {
+    let mut free = (0..).map(|k: usize| k.to_string()).filter(|id| ids.clone().all(|other| other != id));
+    free.next().unwrap_or_default()
 }

@@ -3,6 +3,7 @@
 use crate::files::source::FileSource;
 use crate::plane::{Vec2, vec2};
 use crate::trial::ground::{self, GROUND, Ground, MOST_GROUNDS};
+use crate::trial::link::{LINK, Link, MOST_LINKS};
 use crate::trial::opening::OpeningTimes;
 use crate::trial::panels::MOST_PANELS;
 use crate::trial::schema::{AttributeValue, Schema};
@@ -21,6 +22,8 @@ pub struct Geometry {
     pub walls: Vec<Wall>,
     /// Slopes and stairs, in file order; elsewhere the plan is level.
     pub grounds: Vec<Ground>,
+    /// Lines that are one, in file order.
+    pub links: Vec<Link>,
 }
 
 impl Geometry {
@@ -76,7 +79,7 @@ impl Wall {
 }
 
 pub(crate) static GEOMETRY: Schema =
-    Schema { name: "Geometry", attributes: &[], children: &[&DIMENSIONS, &WALL, &GROUND] };
+    Schema { name: "Geometry", attributes: &[], children: &[&DIMENSIONS, &WALL, &GROUND, &LINK] };
 static DIMENSIONS: Schema = Schema {
     name: "Dimensions",
     attributes: &[("Lx", AttributeValue::Number), ("Ly", AttributeValue::Number)],
@@ -124,7 +127,27 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Geometry {
     if grounds.len() > MOST_GROUNDS {
         root.error(format!("{} grounds; at most {MOST_GROUNDS} are allowed", grounds.len()));
     }
-    Geometry { dimensions, walls, grounds }
+    let mut lines = HashMap::new();
+    let links = root.children("Link").filter_map(|element| {
+        let id = read_id(element, &mut lines);
+        let corners: Vec<Vec2> =
+            element.children("Corner").map(|corner| corner.vector("Coordinates")).collect();
+        let [a, b, c, d] = corners[..] else {
+            let (name, count) = (quoted(&id), corners.len());
+            element.error(format!("link {name} has {count} corners: it needs four, the ends of two lines"));
+            return None;
+        };
+        let link = Link { id, lines: [[a, b], [c, d]] };
+        if let Err(why) = link.check() {
+            element.error(format!("link {}: {why}", quoted(&link.id)));
+        }
+        Some(link)
+    });
+    let links: Vec<Link> = links.collect();
+    if links.len() > MOST_LINKS {
+        root.error(format!("{} links; at most {MOST_LINKS} are allowed", links.len()));
+    }
+    Geometry { dimensions, walls, grounds, links }
 }
 
 /// Reads the corners of a wall or a ground: two, or more, in different places.
@@ -163,6 +186,11 @@ pub(crate) fn xml(geometry: &Geometry) -> String {
             let values = iter::once(Some(&*ground.id)).chain(numbers.iter().map(Option::as_deref));
             let values: Vec<_> = values.collect();
             out.element("Ground", &GROUND.values(&values), |out| write_corners(out, ground.area.corners()));
+        }
+        for link in &geometry.links {
+            out.element("Link", &LINK.values(&[Some(&link.id)]), |out| {
+                write_corners(out, link.lines.as_flattened());
+            });
         }
     })
 }

@@ -1,6 +1,7 @@
 //! `<Ground>`: parts of the plan that are slopes or stairs.
 
 use crate::plane::{Ring, Vec2, rotation, vec2};
+use crate::require;
 use crate::trial::schema::{AttributeValue, Schema};
 use crate::trial::xml::Element;
 use crate::xml::quoted;
@@ -9,6 +10,10 @@ use crate::xml::quoted;
 pub const GRAVITY: f64 = 9.81;
 /// \[rad\] No slope is steeper.
 const STEEPEST: f64 = 1.0;
+/// \[m\] Half the length of the arrow downhill.
+const ARROW: f64 = 0.4;
+/// Most contour lines of a ground.
+const MOST_CONTOURS: f64 = 1000.0;
 /// Most grounds of a Trial.
 pub(crate) const MOST_GROUNDS: usize = 1000;
 
@@ -22,7 +27,7 @@ pub struct Ground {
     /// \[rad\] `Downhill`: direction in which it falls.
     pub downhill: f64,
     /// How it falls.
-    pub fall: Fall,
+    pub incline: Incline,
     /// `SpeedDown` and `SpeedUp`: factors of the speeds of who walks straight down and up; `None` if they follow
     /// from the fall.
     pub speeds: [Option<f64>; 2],
@@ -30,7 +35,7 @@ pub struct Ground {
 
 /// How a ground falls.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Fall {
+pub enum Incline {
     /// A slope, on which feet do not hold all.
     Slope {
         /// \[rad\] `Angle`
@@ -48,22 +53,84 @@ pub enum Fall {
 }
 
 impl Ground {
+    /// Checks its area and how steep it is.
+    ///
+    /// # Errors
+    /// A sentence: what is wrong.
+    pub fn check(&self) -> Result<(), String> {
+        let few = self.area.corners().len() < 3;
+        require(!few && self.area.area() > 0.0, || "has no area".to_owned())?;
+        require(self.area.is_simple(), || "its rim crosses itself".to_owned())?;
+        require(self.downhill.is_finite(), || format!("downhill = {}: must be finite", self.downhill))?;
+        let angle = match self.incline {
+            Incline::Slope { angle, held } => {
+                require((0.0..=1.0).contains(&held), || format!("held = {held}: must be from 0 to 1"))?;
+                angle
+            }
+            Incline::Stairs { riser, tread } => {
+                let positive = |length: f64| length > 0.0 && length.is_finite();
+                require(positive(riser) && positive(tread), || {
+                    "riser and tread must be positive and finite".to_owned()
+                })?;
+                libm::atan2(riser, tread)
+            }
+        };
+        require((0.0..=STEEPEST).contains(&angle), || {
+            format!("falls by an angle of {angle} rad: must be from 0 to {STEEPEST} rad")
+        })?;
+        let speeds = self.speeds.iter().flatten();
+        require(speeds.clone().all(|factor| (0.01..=10.0).contains(factor)), || {
+            "factors of speeds must be from 0.01 to 10".to_owned()
+        })
+    }
+
     /// Returns the unit vector downhill.
     pub fn downhill(&self) -> Vec2 {
         rotation(self.downhill) * vec2(1.0, 0.0)
     }
 
+    /// Returns the lines \[m\] with which it is drawn: the rim, an arrow downhill, and contour lines: of stairs the edges of
+    /// the steps, of a slope one each 0.1 m of height.
+    pub fn lines(&self) -> Vec<Vec<Vec2>> {
+        let distance = match self.incline {
+            Incline::Slope { angle, .. } => (0.1 / libm::tan(angle)).clamp(0.2, 1e9),
+            Incline::Stairs { tread, .. } => tread,
+        };
+        let (down, bounds) = (self.downhill(), self.area.bounds());
+        let (across, half) = (vec2(-down.y, down.x), 0.5 * bounds.size().norm());
+        let middle = (bounds.low + bounds.high) * 0.5;
+        let count = (half / distance).min(0.5 * MOST_CONTOURS) as i32;
+        let line = |k: i32| {
+            let at = middle + down * (f64::from(k) * distance);
+            let crossing = |(a, b): (Vec2, Vec2)| {
+                let [before, behind] = [a, b].map(|end| down.dot(&(end - at)));
+                ((before < 0.0) != (behind < 0.0)).then(|| a + (b - a) * (before / (before - behind)))
+            };
+            let mut crossings: Vec<Vec2> = self.area.sides().filter_map(crossing).collect();
+            crossings.sort_by(|a, b| across.dot(a).total_cmp(&across.dot(b)));
+            crossings.chunks_exact(2).map(<[Vec2]>::to_vec).collect::<Vec<_>>()
+        };
+        let (arrow, wide) = (down * ARROW, across * (0.5 * ARROW));
+        let (tip, neck) = (middle + arrow, middle + arrow * 0.5);
+        let arrow = [vec![middle - arrow, tip], vec![neck - wide, tip, neck + wide]];
+        [self.area.closed().to_vec()]
+            .into_iter()
+            .chain(arrow)
+            .chain((-count..=count).flat_map(line))
+            .collect()
+    }
+
     /// \[m/s²\] Returns the acceleration downhill of who is not held further: (1 − held) g sin α.
     pub fn pull(&self) -> Vec2 {
-        match self.fall {
-            Fall::Slope { angle, held } => self.downhill() * ((1.0 - held) * GRAVITY * libm::sin(angle)),
-            Fall::Stairs { .. } => Vec2::zeros(),
+        match self.incline {
+            Incline::Slope { angle, held } => self.downhill() * ((1.0 - held) * GRAVITY * libm::sin(angle)),
+            Incline::Stairs { .. } => Vec2::zeros(),
         }
     }
 
     /// Returns whether it is stairs.
     pub fn is_stairs(&self) -> bool {
-        matches!(self.fall, Fall::Stairs { .. })
+        matches!(self.incline, Incline::Stairs { .. })
     }
 
     /// Returns the factor of the speed in plan of who walks in a direction, a unit vector. Across, the ground is level.
@@ -73,9 +140,9 @@ impl Ground {
         if let Some(own) = self.speeds[side] {
             return 1.0 + (own - 1.0) * down.abs();
         }
-        match self.fall {
-            Fall::Slope { angle, .. } => on_line(&UPHILL, -down * libm::tan(angle)),
-            Fall::Stairs { riser, tread } => {
+        match self.incline {
+            Incline::Slope { angle, .. } => on_line(&UPHILL, -down * libm::tan(angle)),
+            Incline::Stairs { riser, tread } => {
                 let speeds = STAIRS.map(|(angle, speeds)| (angle, speeds[side]));
                 let straight = on_line(&speeds, libm::atan2(riser, tread)) / LEVEL_SPEED;
                 1.0 + (straight - 1.0) * down.abs()
@@ -123,43 +190,30 @@ pub(crate) fn read(element: Element<'_>, id: String, corners: Vec<Vec2>) -> Opti
     let given = |attribute: &str| element.node.has(attribute).then(|| element.number(attribute));
     let downhill = element.number("Downhill");
     let speeds = [given("SpeedDown"), given("SpeedUp")];
-    let [angle, held, riser, tread] = ["Angle", "Held", "Riser", "Tread"].map(given);
-    let fall = match (angle, held, riser, tread) {
-        (Some(angle), Some(held), None, None) => {
-            if angle > STEEPEST {
-                element.wrong("Angle", format!("must be at most {STEEPEST} rad"));
-            }
-            Fall::Slope { angle, held }
-        }
-        (None, None, Some(riser), Some(tread)) => {
-            if riser > tread * libm::tan(STEEPEST) {
-                element.wrong("Riser", format!("must be steeper by no more than {STEEPEST} rad"));
-            }
-            Fall::Stairs { riser, tread }
-        }
+    let name = quoted(&id);
+    let incline = match ["Angle", "Held", "Riser", "Tread"].map(given) {
+        [Some(angle), Some(held), None, None] => Incline::Slope { angle, held },
+        [None, None, Some(riser), Some(tread)] => Incline::Stairs { riser, tread },
         _ => {
-            let id = quoted(&id);
-            element.error(format!(
-                "ground {id} needs Angle and Held, of a slope, or Riser and Tread, of stairs"
-            ));
+            let needs = "needs Angle and Held, of a slope, or Riser and Tread, of stairs";
+            element.error(format!("ground {name} {needs}"));
             return None;
         }
     };
-    let area = Ring::through(corners)?;
-    if area.corners().len() >= 3 && area.area() == 0.0 {
-        element.error(format!("ground {} has no area", quoted(&id)));
+    let ground = Ground { id, area: Ring::through(corners)?, downhill, incline, speeds };
+    // What is no number was said.
+    let said = values(&ground).iter().flatten().any(|value| value.is_nan());
+    if let (false, Err(why)) = (said, ground.check()) {
+        element.error(format!("ground {}: {why}", quoted(&ground.id)));
     }
-    if !area.is_simple() {
-        element.error(format!("the rim of ground {} crosses itself", quoted(&id)));
-    }
-    Some(Ground { id, area, downhill, fall, speeds })
+    Some(ground)
 }
 
 pub(crate) fn values(ground: &Ground) -> [Option<f64>; 7] {
     let [down, up] = ground.speeds;
     let downhill = Some(ground.downhill);
-    match ground.fall {
-        Fall::Slope { angle, held } => [downhill, Some(angle), Some(held), None, None, down, up],
-        Fall::Stairs { riser, tread } => [downhill, None, None, Some(riser), Some(tread), down, up],
+    match ground.incline {
+        Incline::Slope { angle, held } => [downhill, Some(angle), Some(held), None, None, down, up],
+        Incline::Stairs { riser, tread } => [downhill, None, None, Some(riser), Some(tread), down, up],
     }
 }

@@ -70,7 +70,7 @@ impl Decision {
         let open = |k: usize| self.plan.targets[k].is_open(self.time);
         self.ways().filter(|_| there)?.arrived(
             self.plan.agents[i].destination,
-            agent.from(),
+            agent.from(&self.plan.links),
             agent.at(),
             || self.plan.agents[i].radius(),
             open,
@@ -101,7 +101,8 @@ impl Decision {
     /// Computes the aim of an agent at its present pose. On slopes and stairs the speed is another one.
     pub(super) fn find_aim(&self, i: usize) -> Aim {
         let mut aim = self.find_level_aim(i);
-        if let (Some((way, speed)), Some(ground)) = (&mut aim.goes, self.plan.ground_at(self.agents[i].at())) {
+        if let (Some((way, speed)), Some(ground)) = (&mut aim.goes, self.plan.ground_at(self.agents[i].at()))
+        {
             *speed *= ground.speed_factor(*way);
         }
         aim
