@@ -13,8 +13,8 @@ the tables, their sources and what they mean. The cases, each of which can be na
 - `passage`: 4 m by 45 m on 10°, open at both ends: how many get through in a minute, 1000 one way and 200 to 800 both ways.
 - `fmu`: the terrace on 10° as an FMU with the results of a run, and its digest.
 
-`--seeds 100` for terrace and alley is what the page shows: a quarter of an hour of one core. Needs the command `lemons` (or its path in the
-variable LEMONS), numpy and pandas.
+`--seeds 100` for terrace and alley is what the page shows: twenty minutes of one core. Needs the command `lemons` (or its path
+in the variable LEMONS), numpy and pandas.
 """
 
 import argparse
