@@ -69,6 +69,9 @@ export type GapFound = { kind: string, door: Door, outside: boolean, said: Messa
 /** The cells of a map [m]. */
 export type Grid = { low: [number, number], cell: [number, number], columns: number, rows: number, };
 
+/** A slope or stairs. */
+export type GroundForm = { corners: Array<Pair>, downhill: number, angle: number | null, held: number | null, riser: number | null, tread: number | null, speed_down: number | null, speed_up: number | null, };
+
 /** A kind of people, with somebody of it as an example. */
 export type KindShown = { kind: string, disks: Array<[number, number, number]>, things: Array<string | null>, seated: Array<[number, number, number]> | null, sources: Array<string>, };
 
@@ -83,6 +86,9 @@ export type Limit = { above: AboveLimit | null, };
 
 /** Frames more about a limit. */
 export type LimitRequest = { number: number, people: number, step: number, limit: number, over: number, from: number, };
+
+/** Two lines that are one. */
+export type LinkForm = { here: [Pair, Pair], there: [Pair, Pair], };
 
 /** Both moduli [N/m] of a material. */
 export type Material2d = { id: string, young_modulus: number, shear_modulus: number, };
@@ -173,10 +179,10 @@ export type RoomRequest = { room: Room, edit: RoomEdit | null, near: [number, nu
 export type Rotational = { time_gap: number, standstill_gap: number, reaction_time: number, speed_noise: number, acceleration: number, };
 
 /** A scenario. Without `box`, `geometry` and `room`, people stand in the open. */
-export type Scenario = { box: Pair | null, geometry: string | null, drawing: DrawingForm, room: Room | null, doors: Array<Array<number>>, regions: Array<RegionForm>, number: number | null, density: number | null, seed: number | null, people: People, men: number | null, pedestrians: number | null, mix: Record<string, number | "rest">, packing: Method, orientation: OrientationName | null, direction: number | null, allow_overlap: boolean, material: string | null, friction: number | null, round: boolean, time_step: number | null, panel_length: number | null, speed: number | null, leave: boolean, pushes: Array<Push>, decision: DecisionConfig, };
+export type Scenario = { box: Pair | null, geometry: string | null, drawing: DrawingForm, room: Room | null, doors: Array<Array<number>>, regions: Array<RegionForm>, grounds: Array<GroundForm>, links: Array<LinkForm>, number: number | null, density: number | null, seed: number | null, people: People, men: number | null, pedestrians: number | null, mix: Record<string, number | "rest">, packing: Method, orientation: OrientationName | null, direction: number | null, allow_overlap: boolean, material: string | null, friction: number | null, round: boolean, time_step: number | null, panel_length: number | null, speed: number | null, leave: boolean, pushes: Array<Push>, decision: DecisionConfig, };
 
 /** A scene. */
-export type Scene = { run: number, name: string, agents: Array<AgentShown>, kinds: { [key in string]: Array<string> }, walls: Array<WallShown>, step: number, mechanical_step: number, stable: number | null, longest: number | null, advised: number | null, error: number | null, warnings: Array<Message>, materials: Array<Material2d>, contacts: Array<Contact<number>>, overlapping: Array<number>, overlap: number, pushed: Array<string>, walk: boolean, ways: Array<Array<Waypoint>>, targets: Array<Target>, leaving: number, beyond_doors: Array<[[number, number], [number, number]]>, people: Array<PersonDrawn | null> | null, };
+export type Scene = { run: number, name: string, agents: Array<AgentShown>, kinds: { [key in string]: Array<string> }, walls: Array<WallShown>, grounds: Array<Array<[number, number]>>, links: Array<Array<[number, number]>>, step: number, mechanical_step: number, stable: number | null, longest: number | null, advised: number | null, error: number | null, warnings: Array<Message>, materials: Array<Material2d>, contacts: Array<Contact<number>>, overlapping: Array<number>, overlap: number, pushed: Array<string>, walk: boolean, ways: Array<Array<Waypoint>>, targets: Array<Target>, leaving: number, beyond_doors: Array<[[number, number], [number, number]]>, people: Array<PersonDrawn | null> | null, };
 
 /** Everybody's section with a plane. */
 export type Sections = { altitude: number, bodies: Array<Array<Array<[number, number]>>>, cut: number, area: number, estimated: boolean, without: number, };

@@ -241,6 +241,11 @@ impl Scene {
         Scene { slopes: Arc::new(Slopes::new(grounds)), ..self }
     }
 
+    /// \[m/s2\] Returns the acceleration downhill at a place, by what feet do not hold.
+    pub fn pull(&self, place: Vec2) -> Vec2 {
+        self.slopes.pull(place)
+    }
+
     /// Returns the scene with only some of its walls. Faces keep their numbers. Those of a wall that is absent touch
     /// nothing.
     pub(super) fn with_walls(&self, present: &[bool]) -> Scene {

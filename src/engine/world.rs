@@ -309,7 +309,7 @@ impl World {
         Wrench {
             force: (contacts.force + drive.force) * of.inverse_mass
                 + of.by_floor(pose.orientation, twist.velocity)
-                + self.scene.slopes.pull(pose.position),
+                + self.scene.pull(pose.position),
             torque: (contacts.torque + drive.torque) * of.inverse_inertia
                 - twist.angular_velocity * of.rotation_rate,
         }

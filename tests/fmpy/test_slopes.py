@@ -206,3 +206,33 @@ def test_the_fmus_do_what_the_trial_does(lemons, tmp_path):
         other = [{key: float(value) for key, value in row.items() if value} for row in csv.DictReader(table)]
     last, end = ([row for row in table if row["t"] == 12] for table in (rows, other))
     assert [(row["x"], row["y"]) for row in last] == [(row["x"], row["y"]) for row in end]
+
+
+RAMP = '<Ground Id="r" Downhill="0" Angle="0.1" Held="0.5"><Corner Coordinates="1,0"/><Corner Coordinates="3,0"/><Corner Coordinates="3,2"/><Corner Coordinates="1,2"/></Ground>'
+
+
+@pytest.mark.parametrize(("change", "said"), [
+    (('Held="0.5"', 'Held="1.5"'), '<Ground> Held="1.5": must be from 0 to 1'),
+    (('Held="0.5"', ""), "needs Angle and Held, of a slope, or Riser and Tread, of stairs"),
+    (('Held="0.5"', 'Held="0.5" Riser="0.2"'), "needs Angle and Held, of a slope, or Riser and Tread, of stairs"),
+    (('Angle="0.1"', 'Angle="1.2"'), 'ground "r": falls by an angle of 1.2 rad: must be from 0 to 1 rad'),
+    (('Angle="0.1"', 'Angle="steep"'), '<Ground> Angle="steep": must be a finite decimal number'),
+    (('Angle="0.1" Held="0.5"', 'Riser="0.2" Tread="0.001"'), 'ground "r": falls by an angle of'),
+    (('Angle="0.1" Held="0.5"', 'Riser="-0.2" Tread="0.3"'), '<Ground> Riser="-0.2": must be positive'),
+    (('Held="0.5"', 'Held="0.5" SpeedUp="1e300"'), "factors of speeds must be from 0.01 to 10"),
+    (('"3,0"', '"1,2"'), 'ground "r": its rim meets itself, or it has no area'),
+    (('"3,2"/><Corner Coordinates="1,2"', '"1,2"/><Corner Coordinates="3,2"'), 'ground "r": its rim meets itself'),
+    (('<Corner Coordinates="3,2"/><Corner Coordinates="1,2"/>', ""), 'ground "r" has 2 corners: it needs three'),
+    (('<Corner Coordinates="3,2"/>', '<Corner Coordinates="3,2"/>' * 1), ""),
+    (("</Geometry>", RAMP + "</Geometry>"), "duplicate Id"),
+    (('<Corner Coordinates="22,0"/></Link>', "</Link>"), 'link "l" has 3 corners: it needs four'),
+])
+def test_what_cannot_be_a_ground_or_a_link_is_refused(lemons, tmp_path, change, said):
+    (tmp_path / "floors.xml").write_text(FLOORS)
+    run(lemons, tmp_path, ON_FLOORS.format(number=1, to=1.6, model="straight"), "--until", 1)
+    file = FLOORS.replace("<Link", RAMP + "\n<Link")
+    assert change[0] in file
+    (tmp_path / "T/static/Geometry.xml").write_text(file.replace(*change))
+    done = subprocess.run([str(lemons), "check", "T"], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode != 0) == bool(said) and said in done.stdout + done.stderr, done.stdout + done.stderr
+    assert not said or "Geometry.xml:" in done.stdout + done.stderr

@@ -14,6 +14,8 @@ const STEEPEST: f64 = 1.0;
 const ARROW: f64 = 0.4;
 /// Most contour lines of a ground.
 const MOST_CONTOURS: f64 = 1000.0;
+/// Most corners of a ground.
+const MOST_CORNERS: usize = 1000;
 /// Most grounds of a Trial.
 pub(crate) const MOST_GROUNDS: usize = 1000;
 
@@ -58,9 +60,12 @@ impl Ground {
     /// # Errors
     /// A sentence: what is wrong.
     pub fn check(&self) -> Result<(), String> {
-        let few = self.area.corners().len() < 3;
-        require(!few && self.area.area() > 0.0, || "has no area".to_owned())?;
-        require(self.area.is_simple(), || "its rim crosses itself".to_owned())?;
+        let count = self.area.corners().len();
+        require(count <= MOST_CORNERS, || {
+            format!("has {count} corners: at most {MOST_CORNERS} are allowed")
+        })?;
+        let is_area = count >= 3 && self.area.is_simple() && self.area.area() > 0.0;
+        require(is_area, || "its rim meets itself, or it has no area".to_owned())?;
         require(self.downhill.is_finite(), || format!("downhill = {}: must be finite", self.downhill))?;
         let angle = match self.incline {
             Incline::Slope { angle, held } => {

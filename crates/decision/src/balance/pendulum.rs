@@ -366,6 +366,19 @@ mod tests {
         assert_eq!(legs.steps, 1);
     }
 
+    /// On stairs nobody steps: the support is all there is.
+    #[test]
+    fn who_loses_balance_on_stairs_falls() {
+        let model = Pendulum { bracing: 0.0, return_after: 100.0, ..Pendulum::default() };
+        let most = rate() * model.support;
+        for (part, falls) in [(0.98, false), (1.02, true)] {
+            let (legs, motion) = hit(part * most);
+            let on_stairs = OwnMotion { steps: false, ..motion };
+            assert_eq!(pass(&model, (legs, on_stairs), 0.5).0.fallen, falls);
+            assert!(!pass(&model, (legs, motion), 0.5).0.fallen);
+        }
+    }
+
     #[test]
     fn who_is_counted_as_fallen_comes_to_rest() {
         for velocity in [3.0, 10.0] {
