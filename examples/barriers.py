@@ -248,7 +248,7 @@ def terrace(target, arguments):
     table_11_2()
     print(f"\nterrace: load on a barrier of {BARRIER} m in kN/m, wanted 5.0 on both; {arguments.seeds} seeds")
     few = min(arguments.seeds, 5)
-    others = [(150, HELD, few), (PUSH, 0.0, few), (120, 0.0, few), (PUSH, 1.0, few), (400, 1.0, few)]
+    others = [(150, HELD, few), (PUSH, 0.5, few), (PUSH, 0.0, few), (120, 0.0, few), (PUSH, 1.0, few), (400, 1.0, few)]
     for push, held, seeds in [(PUSH, HELD, arguments.seeds), *others]:
         cells = []
         for angle in (10, 25):
