@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, expect
-from visit import Picture, becomes, download, fill, held, lemons, link, make, plan, rows, same_table, shot, show_at, tab, wait
+from visit import ROOT, Picture, becomes, download, fill, held, lemons, link, make, plan, rows, same_table, shot, show_at, tab, wait
 
 
 def room(page: Page, people: int) -> None:
@@ -358,3 +358,21 @@ def test_exits_and_goals_can_be_seen(page: Page, scheme: str) -> None:
     tab(page, "Crowd")
     for name in ("--exit", "--goal"):
         wait(page, lambda: drawn(colour(name)) > 50, 20)
+
+
+def test_who_comes_later_is_not_drawn_and_has_not_left(page: Page, tmp_path: Path) -> None:
+    """Six people, and 17 of two sources: as the command says."""
+    scenario = ROOT / "crates/scenario/tests/crowds/sources.toml"
+    tab(page, "Start")
+    page.get_by_label("Open a zip").set_input_files(scenario)
+    expect(page.get_by_text("23 people").first).to_be_visible()
+    tab(page, "Motion")
+    expect(page.get_by_text("0 of 23 have left.")).to_be_visible()
+    button(page, "Until all have left")
+    page.get_by_role("slider", name="Time").press("End")
+    told = page.get_by_text("All 23 have left after")
+    expect(told).to_be_visible()
+    lemons("crowd", "--scenario", scenario, "-o", tmp_path / "T")
+    lemons("run", tmp_path / "T", "--until", "left", "-o", tmp_path / "run.csv")
+    last = float(rows(tmp_path / "run.csv")[-1]["t"])
+    assert float(told.inner_text().split()[-2]) == pytest.approx(last, abs=0.006) and last > 20
