@@ -598,7 +598,7 @@ RISER, TREAD = 0.17, 0.29  # m
 ANGLE = math.atan2(RISER, TREAD)
 
 
-def add(trial, *elements):
+def put(trial, *elements):
     """Adds elements to the Geometry.xml of a Trial: a name, attributes, and corners."""
     path = trial / "static" / "Geometry.xml"
     text = ""
@@ -610,7 +610,7 @@ def add(trial, *elements):
 
 
 def flight(x, length, low, high, up, speed=None):
-    """Stairs for `add` from x [m] on, up or down along x. A factor of the speed of who goes that way may be given."""
+    """Stairs for `put` from x [m] on, up or down along x. A factor of the speed of who goes that way may be given."""
     own = {} if speed is None else {"SpeedUp" if up else "SpeedDown": speed}
     corners = [(x, low), (x + length, low), (x + length, high), (x, high)]
     return "Ground", {"Downhill": math.pi if up else 0.0, "Riser": RISER, "Tread": TREAD, **own}, corners
@@ -622,7 +622,7 @@ def stairs(work, up, length, speed=None):
     trial = work / f"stairs_{up}_{length}_{speed}"
     plan = length * math.cos(ANGLE)
     make(trial, [[(-6, 0), (plan + 4, 0)], [(-6, 2), (plan + 4, 2)]], 1, "-5.5,0.6,-4.5,1.4", orientation="fixed", fixed="49,25,1.75,70")
-    add(trial, flight(-2.0, plan + 2.5, -1.0, 3.0, up, speed and speed * math.cos(ANGLE) / SPEED))
+    put(trial, flight(-2.0, plan + 2.5, -1.0, 3.0, up, speed and speed * math.cos(ANGLE) / SPEED))
     write_decision(trial, {"end": ((plan + 3, 0), (plan + 3, 2))})
     summary, tables = walk(trial, line("in", (0, 0), (0, 2)), line("out", (plan, 0), (plan, 2)))
     time = float((crossed(tables, "out") - crossed(tables, "in")).iloc[0])
@@ -645,7 +645,7 @@ def stairs_diagram(work, people=100, seed=1):
     def once(up):
         trial = work / f"stairs_diagram_{up}"
         make(trial, room(10, 10, 2, 5, 9), people, (0, 0, 10, 10), seed)
-        add(trial, flight(12.0, 5.0, 3.5, 6.5, up))
+        put(trial, flight(12.0, 5.0, 3.5, 6.5, up))
         write_decision(trial, {"end": ((18.5, 4), (18.5, 6))}, each_speed(people, seed))
         _, tables = walk(trial, line("in", (12, 4), (12, 6)), line("out", (17, 4), (17, 6)), "--area=stairs=12,4,17,6")
         begin, end = crossed(tables, "in"), crossed(tables, "out")
@@ -672,7 +672,7 @@ def stairs_width(work, widths=(1.0, 1.4, 1.8), people=100, seed=1):
     def once(width):
         trial = work / f"stairs_width_{width}"
         make(trial, room(8, 5, width, 2.5, 7), people, (0, 0, 8, 5), seed)
-        add(trial, flight(9.0, 4.0, 1.0, 4.0, True))
+        put(trial, flight(9.0, 4.0, 1.0, 4.0, True))
         low, high = 2.5 - width / 2, 2.5 + width / 2
         write_decision(trial, {"end": ((14.5, low), (14.5, high))}, each_speed(people, seed))
         return validation.steady(crossed(walk(trial, line("top", (13, low), (13, high)))[1], "top"))
@@ -705,7 +705,7 @@ def building(work, speeds=(0.8, 1.2, 1.6), floors=3, each=20, seed=1):
         trial = work / f"building_{speed}"
         regions = [f"{k * step + 1},0.2,{k * step + 9},2.2; number={each}" for k in range(floors)]
         make(trial, walls, None, regions, seed)
-        add(trial, *flights, *links)
+        put(trial, *flights, *links)
         end = (floors - 1) * step + 15.5
         write_decision(trial, {"street": ((end, 0.0), (end, 2.4))}, speed=speed)
         left = walk(trial)[0]["left"]
@@ -725,7 +725,7 @@ def stairs_or_around(work, people=30, seed=1):
     walls += [[(5, 1.4), (6, 1.4), (6, 0)], [(5, 4.6), (6, 4.6), (6, 6)]]
     links = [("Link", {}, [(5.4, 0.0), (5.4, 1.4), (30.0, 1.4), (30.0, 0.0)]), ("Link", {}, [(37.4, 0.0), (37.4, 1.4), (5.4, 4.6), (5.4, 6.0)])]
     make(trial, walls, people, "0.3,0.3,4,2.7", seed)
-    add(trial, flight(31.0, 5.0, 0.0, 1.4, True), *links)
+    put(trial, flight(31.0, 5.0, 0.0, 1.4, True), *links)
     write_decision(trial, {"goal": ((0.5, 3), (0.5, 6))}, each_speed(people, seed))
     summary, tables = walk(trial, line("stairs", (31, 0), (31, 1.4)), line("around", (22, 1.5), (24, 1.5)))
     used = {name: sum(len(crossed(tables, name, side)) for side in ("left", "right")) for name in ("stairs", "around")}
@@ -739,7 +739,7 @@ def smoke(work, extinction=1.0, length=100.0, clear=1.25):
     factor = 1 - 0.057 / 0.706 * extinction
     make(trial, [[(-6, 0), (length + 4, 0)], [(-6, 2), (length + 4, 2)]], 1, "-5.5,0.6,-4.5,1.4", orientation="fixed", fixed="49,25,1.75,70")
     corners = [(0.0, -1.0), (length, -1.0), (length, 3.0), (0.0, 3.0)]
-    add(trial, ("Ground", {"Downhill": 0.0, "Angle": 0.0, "Held": 1.0, "SpeedDown": factor, "SpeedUp": factor}, corners))
+    put(trial, ("Ground", {"Downhill": 0.0, "Angle": 0.0, "Held": 1.0, "SpeedDown": factor, "SpeedUp": factor}, corners))
     write_decision(trial, {"end": ((length + 3, 0), (length + 3, 2))}, speed=clear)
     _, tables = walk(trial, line("in", (0, 0), (0, 2)), line("out", (length, 0), (length, 2)))
     time = float((crossed(tables, "out") - crossed(tables, "in")).iloc[0])

@@ -54,11 +54,19 @@ impl Schema {
         self.children.iter().find(|child| child.name == name).copied()
     }
 
-    /// All elements below it that have attributes, in the order of the page.
+    /// All elements below it that have attributes, in the order of the page: each once, the last of several.
     pub(crate) fn below(&self) -> Vec<&'static Schema> {
+        let all = self.each_below();
+        let again = |k: usize| all[k + 1..].iter().any(|other| std::ptr::eq(*other, all[k]));
+        (0..all.len()).filter(|k| !again(*k)).map(|k| all[k]).collect()
+    }
+
+    fn each_below(&self) -> Vec<&'static Schema> {
         let with_attributes = |child: &'static Schema| (!child.attributes.is_empty()).then_some(child);
-        let all =
-            self.children.iter().flat_map(|child| with_attributes(child).into_iter().chain(child.below()));
+        let all = self
+            .children
+            .iter()
+            .flat_map(|child| with_attributes(child).into_iter().chain(child.each_below()));
         all.collect()
     }
 }
