@@ -13,7 +13,7 @@ use lemons_core::message::{Message, message};
 use lemons_decision::{DecisionConfig, Plan};
 use lemons_master::{DecisionChoice, TrialInput};
 use lemons_report::{LIMIT, Report, RunSeen, Settings, Told, html, pdf, sentences};
-use lemons_scenario::{MOST_PEOPLE, Scenario};
+use lemons_scenario::{MOST_PEOPLE, People, Scenario, ScenarioDocuments};
 use lemons_sim::lint::{self, Files};
 use lemons_sim::{Algorithm, Documents, Until};
 use lemons_sweep::{SimulatedPoints, identity, in_threads};
@@ -63,8 +63,13 @@ struct Runs {
 }
 
 impl Runs {
-    /// Makes the documents of a run, and says what was chosen.
-    fn documents(&self, seed: u64, stop: &AtomicBool) -> Result<(Documents, Vec<String>)> {
+    /// Makes the documents of a run. `tell` gets what was made of a scenario.
+    fn documents(
+        &self,
+        seed: u64,
+        stop: &AtomicBool,
+        tell: impl FnOnce(&ScenarioDocuments),
+    ) -> Result<Documents> {
         match &self.subject {
             Subject::Scenario(scenario) => {
                 let own = Scenario { seed: Some(seed), ..(**scenario).clone() };
@@ -73,15 +78,17 @@ impl Runs {
                     false => ControlFlow::Continue(()),
                 };
                 let made = own.documents(&self.name, MOST_PEOPLE, &LocalFiles, &mut watch)?;
+                tell(&made);
                 let plan = made.decision.map(|(_, plan)| plan);
-                Ok((Documents { trial: made.trial, drive: made.drive, plan }, made.notes))
+                Ok(Documents { trial: made.trial, drive: made.drive, plan })
             }
             Subject::Trial(documents) => {
                 let mut own = (**documents).clone();
                 if let Some(plan) = &mut own.plan {
-                    *plan = Plan::of(&own.trial, &DecisionConfig { seed: Some(seed), ..plan.config.clone() })?;
+                    *plan =
+                        Plan::of(&own.trial, &DecisionConfig { seed: Some(seed), ..plan.config.clone() })?;
                 }
-                Ok((own, Vec::new()))
+                Ok(own)
             }
         }
     }
@@ -97,9 +104,10 @@ impl SimulatedPoints for Runs {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
-        let run = self.documents(seed, stop).and_then(|(documents, _)| {
+        let run = self.documents(seed, stop, |_| ()).and_then(|documents| {
             // Without a plan, nothing depends on a seed.
-            let own = Some(seed).filter(|_| matches!(self.subject, Subject::Scenario(_)) || documents.plan.is_some());
+            let own = Some(seed)
+                .filter(|_| matches!(self.subject, Subject::Scenario(_)) || documents.plan.is_some());
             Ok(RunSeen::run(documents, own, self.settings, &mut watch)?)
         });
         Some((seed, run.transpose()?))
@@ -108,7 +116,8 @@ impl SimulatedPoints for Runs {
 
 pub fn report(arguments: &Arguments) -> Result<()> {
     let Arguments { scenario: path, output, .. } = arguments;
-    let is_pdf = match output.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
+    let is_pdf = match output.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref()
+    {
         Some("html" | "htm") => false,
         Some("pdf") => true,
         _ => bail!(Misused(format!("{}: reports are .html or .pdf", output.display()))),
@@ -116,10 +125,15 @@ pub fn report(arguments: &Arguments) -> Result<()> {
     let interrupt = Interrupt::watch();
     let name = path.canonicalize().unwrap_or_else(|_| path.clone());
     let name = name.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let mut told = Told { source: path.display().to_string(), program: format!("lemons {}", BUILD.whole()), ..Told::default() };
+    let mut told = Told {
+        source: path.display().to_string(),
+        program: format!("lemons {}", BUILD.whole()),
+        ..Told::default()
+    };
     let (subject, begin) = match TrialInput::find(path)? {
         Some(given) => {
             let (documents, problems, _) = given.documents(&Default::default(), &DecisionChoice::Own)?;
+            told.people = message!(sentences::FROM_TRIAL);
             told.warnings.extend(problems.iter().map(|problem| problem.told()));
             if let Some(plan) = &documents.plan {
                 told.settings = flat(&plan.config.to_toml()?)?;
@@ -133,6 +147,12 @@ pub fn report(arguments: &Arguments) -> Result<()> {
             told.settings = flat(&as_it_is.to_toml()?)?;
             let scenario = Scenario::read(&LocalFiles, path)?;
             let seed = scenario.seed();
+            told.people = match scenario.people {
+                People::Survey {} => message!(sentences::FROM_SURVEY),
+                People::Statistics { .. } | People::Custom { .. } => message!(sentences::FROM_OWN),
+                People::Tables { .. } => message!(sentences::FROM_TABLES),
+                People::Fixed { .. } => message!(sentences::FROM_ONE),
+            };
             (Subject::Scenario(Box::new(scenario)), seed)
         }
     };
@@ -146,7 +166,13 @@ pub fn report(arguments: &Arguments) -> Result<()> {
     let settings = Settings { until: Until::Left, limit: LIMIT };
     let mut runs = Runs { subject, name: name.clone(), seeds, settings };
     // What is wrong with the first is said before anything long.
-    let (first, notes) = runs.documents(begin, interrupt.flag()).with_context(|| path.display().to_string())?;
+    let mut notes = Vec::new();
+    let first = runs.documents(begin, interrupt.flag(), |made| {
+        notes = made.notes.iter().map(|note| Message::from(note.as_str())).collect();
+        let read = made.place.drawn.iter().flat_map(|read| read.messages(&made.place.name));
+        told.drawing = read.map(|(what, how)| (what.to_owned(), how)).collect();
+    });
+    let first = first.with_context(|| path.display().to_string())?;
     let leaves = first.leaving().contains(&true);
     runs.settings.until = arguments.until.unwrap_or(if leaves { Until::Left } else { Until::Time(5.0) });
     if runs.settings.until == Until::Left && !leaves {
@@ -156,17 +182,16 @@ pub fn report(arguments: &Arguments) -> Result<()> {
     let step = first.trial.parameters.time_step;
     let found = lint::of_documents(&first, &files).into_iter().chain(lint::of_step(&first, step, &files));
     told.warnings.extend(found.map(|problem| problem.told()));
-    told.warnings.extend(notes.into_iter().map(Message::from));
+    told.warnings.extend(notes);
     told.title = name;
     told.digest = identity::digest(&identity::of_documents(&first, Algorithm::default(), step)?)?;
     told.changed = changed(path).unwrap_or_default();
     drop(first);
 
     let mut file = Output::open(output)?;
-    let threads = arguments.threads.map_or_else(
-        || std::thread::available_parallelism().map_or(1, usize::from),
-        usize::from,
-    );
+    let threads = arguments
+        .threads
+        .map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     let bar = print::bar(u64::from(count), "{bar:40} {percent:>3}%  {pos} of {len} runs  {eta} left")?;
     let (started, mut noted, mut seen) = (Instant::now(), Instant::now(), Vec::new());
     let points = (0..runs.seeds.len()).collect();

@@ -45,7 +45,13 @@ fn block(out: &mut String, block: &Block) {
             let mut row = |cells: &[Message], heads: bool| {
                 *out += "<tr>";
                 for (k, of) in cells.iter().enumerate() {
-                    let heading = if heads { " scope=\"col\"" } else if k == 0 { " scope=\"row\"" } else { "" };
+                    let heading = if heads {
+                        " scope=\"col\""
+                    } else if k == 0 {
+                        " scope=\"row\""
+                    } else {
+                        ""
+                    };
                     *out += &cell(k, of, heading);
                 }
                 *out += "</tr>\n";
@@ -93,7 +99,11 @@ fn escaped(text: &str) -> String {
             '\'' => out += "&#39;",
             '\n' | '\t' => out.push(' '),
             // Neither XML nor a reader knows others.
-            c if c.is_control() || ('\u{202a}'..='\u{202e}').contains(&c) || c == '\u{fffe}' || c == '\u{ffff}' => {
+            c if c.is_control()
+                || ('\u{202a}'..='\u{202e}').contains(&c)
+                || c == '\u{fffe}'
+                || c == '\u{ffff}' =>
+            {
                 out.push('\u{fffd}');
             }
             c => out.push(c),

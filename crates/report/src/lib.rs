@@ -91,8 +91,9 @@ impl Block {
     /// Makes a table.
     fn table(caption: Message, head: Vec<Message>, rows: Vec<Vec<Message>>) -> Block {
         let is_number = |cell: &Message| {
-            let rest = cell.text.trim_start_matches(|c: char| "0123456789.-– ".contains(c));
-            cell.id.is_empty() && rest.is_empty()
+            // An interval is one, too.
+            let known = cell.id.is_empty() || cell.id == sentences::TO.id;
+            known && cell.text.replace(" to ", "").chars().all(|c| "0123456789.-– ".contains(c))
         };
         let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
         let numbers = |k: usize| k > 0 && !head.is_empty() && rows.iter().all(|row| is_number(&row[k]));

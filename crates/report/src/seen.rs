@@ -137,7 +137,8 @@ impl RunSeen {
         let mut seeing = Seeing::of(&trial, plan.as_ref(), settings);
         let mut broken = false;
         let mut see = |_: &Stepper, simulation: &mut Simulation, frames: Vec<Frame>, _: PointKind| {
-            seeing.overlap = simulation.world().map_or(0.0, |world| world.largest_overlap()).max(seeing.overlap);
+            seeing.overlap =
+                simulation.world().map_or(0.0, |world| world.largest_overlap()).max(seeing.overlap);
             for frame in frames {
                 broken |= watch(frame.time).is_break();
                 seeing.see(frame);
@@ -156,7 +157,8 @@ impl RunSeen {
         let exit = |at: Vec2| nearest_exit(&plan.as_ref()?.targets, at);
         let leaving = run.leaving();
         let time = simulation.time();
-        let stay = leaving.iter().flat_map(|leaving| leaving.stay()).map(|agent| trial.agents[agent].id.clone());
+        let stay =
+            leaving.iter().flat_map(|leaving| leaving.stay()).map(|agent| trial.agents[agent].id.clone());
         Ok(Some(RunSeen {
             seed,
             settings,
@@ -173,7 +175,10 @@ impl RunSeen {
             density,
             loads: loads.finish().filter(|loads| !loads.panels.is_empty()),
             overlap,
-            fallen: balance.finish().map(|kept| kept.iter().filter(|one| one.falls > 0).count()).filter(|_| people > 0),
+            fallen: balance
+                .finish()
+                .map(|kept| kept.iter().filter(|one| one.falls > 0).count())
+                .filter(|_| people > 0),
             findings: findings.map(|found| found.told()).collect(),
             trial,
             plan,
@@ -241,7 +246,8 @@ impl Seeing {
             self.means[k].add(frame.time, (0..self.people).map(of_step))
         };
         if let (Some(means), Some(walls)) = (mean(0, None), mean(1, Some(By::Walls))) {
-            let most = (0..self.people).filter(|agent| there(*agent)).max_by(|a, b| means[*a].total_cmp(&means[*b]));
+            let most =
+                (0..self.people).filter(|agent| there(*agent)).max_by(|a, b| means[*a].total_cmp(&means[*b]));
             let before = self.pressed.as_ref().map_or(0.0, |moment| moment.value);
             if let Some(who) = most.filter(|who| means[*who] > before) {
                 let (value, by_walls, time) = (means[who], walls[who], frame.time);
