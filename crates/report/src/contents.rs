@@ -320,7 +320,7 @@ impl Many<'_> {
         let Moment { time, value, ref poses, .. } = *moment;
         let mut map = DensityMap::new(run.density.view(), DENSITY_KERNEL, &run.trial.geometry.walls);
         map.add(poses.iter().map(|pose| pose.position));
-        let (sample, kernel) = (SAMPLE, map.described());
+        let (sample, kernel) = (SAMPLE, DENSITY_KERNEL);
         let caption = message!(WORST_DENSITY, time, seed = self.seed_of(run), sample, value, kernel);
         let mut scene = run.scene(Some(poses.clone()));
         scene.density = Some(map);
@@ -330,7 +330,7 @@ impl Many<'_> {
         // People without walls begin elsewhere with each seed: there is no common map.
         let same = self.runs.iter().skip(1).filter(|run| run.density.view() == first.density.view());
         let runs = 1 + same.map(|run| mean.join(&run.density)).count();
-        let caption = message!(MEAN_DENSITY, runs = self.count(runs), sample, kernel = mean.described());
+        let caption = message!(MEAN_DENSITY, runs = self.count(runs), sample, kernel);
         let mut scene = first.scene(Some(Vec::new()));
         scene.density = Some(mean);
         vec![then, drawn(caption, &scene, Style::default())]

@@ -35,10 +35,12 @@ pub enum ReportError {
 
 /// A report: sections in their order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Report {
     /// Name of the scenario.
     pub title: String,
     /// Notes of what must not be overlooked: before everything else.
+    #[cfg_attr(feature = "typescript", ts(type = "Message[]"))]
     pub notices: Vec<Message>,
     /// The sections.
     pub sections: Vec<Section>,
@@ -46,8 +48,10 @@ pub struct Report {
 
 /// A section.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Section {
     /// Its heading.
+    #[cfg_attr(feature = "typescript", ts(type = "Message"))]
     pub heading: Message,
     /// Its parts.
     pub blocks: Vec<Block>,
@@ -55,25 +59,31 @@ pub struct Section {
 
 /// A part of a section.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Block {
     /// A paragraph.
     Text {
         /// What it says.
+        #[cfg_attr(feature = "typescript", ts(type = "Message"))]
         text: Message,
     },
     /// Sentences, one below the other.
     List {
         /// The sentences.
+        #[cfg_attr(feature = "typescript", ts(type = "Message[]"))]
         items: Vec<Message>,
     },
     /// A table. The first cell of a row is its heading.
     Table {
         /// What it shows.
+        #[cfg_attr(feature = "typescript", ts(type = "Message"))]
         caption: Message,
         /// Headings of its columns; none: a name and a value in each row.
+        #[cfg_attr(feature = "typescript", ts(type = "Message[]"))]
         head: Vec<Message>,
         /// Its rows, all of one length.
+        #[cfg_attr(feature = "typescript", ts(type = "Message[][]"))]
         rows: Vec<Vec<Message>>,
         /// Of each column whether it has numbers.
         numbers: Vec<bool>,
@@ -81,6 +91,7 @@ pub enum Block {
     /// A picture.
     Picture {
         /// What it shows.
+        #[cfg_attr(feature = "typescript", ts(type = "Message"))]
         caption: Message,
         /// The picture.
         svg: String,

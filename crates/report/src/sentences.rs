@@ -30,7 +30,7 @@ lemons_core::sentences! {
     RUNS "report.runs" "runs";
     SEED "report.seed" "seed";
     OF_ONE "report.of-one" "Numbers of one run.";
-    OF_RUNS "report.of-runs" "Numbers of {runs} runs, each with another seed. The mean of very many runs lies in the interval with 95 % probability (Student's t); single runs lie beyond it. Where it reaches below zero, the runs are too few. runs: how many have the number.";
+    OF_RUNS "report.of-runs" "Numbers of {runs} runs, each with another seed. In 95 of 100 such reports the interval holds the mean of very many runs (Student's t); single runs lie beyond it. Where it reaches below zero, the runs are too few. runs: how many have the number.";
 
     EVACUATION "report.evacuation" "All have left after";
     LEFT "report.left" "People who have left";
@@ -105,8 +105,8 @@ lemons_core::sentences! {
     BY_FIRST "report.by-first" "{exit}: the first of them";
     BY_LAST "report.by-last" "{exit}: the last of them";
     CURVE "report.curve" "People who have left over time, a line for each run.";
-    WORST_DENSITY "report.worst-density" "Density at the worst moment: at {time:.2} s{seed}, of all that were looked at (one each {sample} s). Its greatest value is {value:.1} per m². {kernel}.";
-    MEAN_DENSITY "report.mean-density" "Mean density of {runs}, each from its start to its end, one picture each {sample} s. {kernel}.";
+    WORST_DENSITY "report.worst-density" "Density at the worst moment: at {time:.2} s{seed}, of all that were looked at (one each {sample} s). Its greatest value is {value:.1} per m². Each person is spread as a Gaussian of {kernel} m, not through walls.";
+    MEAN_DENSITY "report.mean-density" "Mean density of {runs}, each from its start to its end, looked at each {sample} s. Each person is spread as a Gaussian of {kernel} m, not through walls.";
     WORST_SQUEEZE "report.worst-squeeze" "People at the moment of the greatest squeeze: at {time:.2} s{seed}. Colours: everybody's mean squeeze of {over} s before, in N; the greatest is {value:.0} N, of person {who}.";
     PRESSED "report.pressed" "How each run ended, and who was pressed most in it (mean of {over} s), when and where. What walls do not do, other people do.";
     PERSON "report.person" "person";
@@ -118,7 +118,7 @@ lemons_core::sentences! {
     LOADED "report.loaded" "The {count} most loaded of {all} panels that somebody touched, by the greatest mean of 1 s. Of the first three also means of 10 s and peaks.";
     LOAD_1 "report.load-1" "mean of 1 s";
     LOAD_10 "report.load-10" "mean of 10 s";
-    LOAD_PEAK "report.load-peak" "peak";
+    LOAD_PEAK "report.load-peak" "peak, perhaps an impact";
     PANEL "report.panel" "Wall {wall} at ({x:.2}, {y:.2}) m, {length:.2} m: {what}";
     LOAD_MAP "report.load-map" "Loads on panels: the greatest mean of 1 s, of {runs}, in kN/m.";
     NO_LOAD "report.no-load" "Nobody touched a wall.";
@@ -138,7 +138,7 @@ lemons_core::sentences! {
     NO_WARNINGS "report.no-warnings" "The rules of lemons check found nothing.";
 
     NOT_SAMPLE "report.not-sample" "The interval says how well the mean of this scenario is known, not how well the scenario is. Other assumptions change the numbers more than other seeds.";
-    NOT_SURVEY "report.not-survey" "Bodies are drawn from statistics (docs/people.md): the survey ANSUR II is of soldiers of 18 to 50 years. Kinds of people have numbers of other sources, or assumptions.";
+    NOT_SURVEY "report.not-survey" "Bodies are drawn from statistics (docs/people.md): the survey ANSUR II is of soldiers of 18 to 50 years. Kinds of people have numbers of other sources, or assumptions. Nobody yields to a wheelchair or helps another.";
     NOT_PLANE "report.not-plane" "Bodies move on a plane. Nobody climbs or bends; nobody falls, unless people have legs.";
     NOT_PROOF "report.not-proof" "Times of leaving were compared with experiments for doors and corridors, without panic (docs/validation.md). They are no proof for a building.";
     NOT_INJURY "report.not-injury" "No number here says who is hurt: {limit} N is what men tolerated against a flat bar (docs/guide/squeeze.md).";
