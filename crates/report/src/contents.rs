@@ -257,6 +257,9 @@ impl Many<'_> {
         rows.push(self.row(plain(ABOVE_TIME), ("s", 1), |run| {
             Some(each(run, |one| Some(one.above[0]?.time))?.iter().sum::<f64>())
         }));
+        rows.push(self.row(plain(ABOVE_LONGEST), ("s", 2), |run| {
+            Across::Max.of(each(run, |one| Some(one.above[0]?.longest))?.into_iter())
+        }));
         if first.fallen.is_some() {
             rows.push(self.row(plain(FELL), ("", 0), |run| run.fallen.map(|fallen| fallen as f64)));
         }

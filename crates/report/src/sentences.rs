@@ -42,6 +42,7 @@ lemons_core::sentences! {
     SQUEEZE_90 "report.squeeze-90" "Squeeze that 90 % of people stay below, mean of 1 s";
     ABOVE "report.above" "People ever above {limit} N, mean of {over} s";
     ABOVE_TIME "report.above-time" "Time above it, of all together";
+    ABOVE_LONGEST "report.above-longest" "Longest time of anybody above it, without a break";
     FELL "report.fell" "People who fell";
     OVERLAP "report.overlap" "Deepest overlap";
     AT "report.at" "at {time:.2} s";
