@@ -2,6 +2,7 @@
 
 import { effect, signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
+import { useEffect, useMemo } from "preact/hooks";
 import { Client } from "./client";
 import type { Film } from "./film";
 import { frictionOf } from "./forms";
@@ -148,10 +149,16 @@ function Part({ block }: { block: Block }) {
     if (block.kind === "text") return <p>{inWords(block.text)}</p>;
     if (block.kind === "list") return <ul>{block.items.map((item, k) => <li key={k}>{inWords(item)}</li>)}</ul>;
     if (block.kind === "table") return <Table caption={inWords(block.caption)} head={block.head.map(inWords)} rows={block.rows.map((row) => row.map(inWords))} numbers={block.numbers} />;
+    return <Picture svg={block.svg} words={inWords(block.caption)} />;
+}
+
+function Picture({ svg, words }: { svg: string; words: string }) {
+    const address = useMemo(() => URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" })), [svg]);
+    useEffect(() => () => URL.revokeObjectURL(address), [address]);
     return (
         <figure>
-            <img src={`data:image/svg+xml,${encodeURIComponent(block.svg)}`} alt={inWords(block.caption)} />
-            <figcaption class="note">{inWords(block.caption)}</figcaption>
+            <img src={address} alt={words} />
+            <figcaption class="note">{words}</figcaption>
         </figure>
     );
 }

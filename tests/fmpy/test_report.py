@@ -157,7 +157,7 @@ def test_what_was_stuck_is_said_at_the_top(lemons, tmp_path):
     done = command(lemons, "report", "room.toml", "--seeds", 2, "--until", 3, cwd=tmp_path)
     notices = [text(of) for of in page(tmp_path / "report.html").xpath("//p[@class='notice']")]
     for seed, notice in zip((3, 4), notices, strict=True):
-        assert re.match(rf"Seed {seed}: \d+ of 40 people have not left: this is the latest end; .* Who has not left: \d+, .*…\.", notice)
+        assert re.match(rf"Seed {seed}: \d+ of 40 people have not left after 3.00 s \(stopped: its latest end\): \d+, .*…$", notice)
         assert notice in done.stdout
 
 

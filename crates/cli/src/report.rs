@@ -136,7 +136,7 @@ pub fn report(arguments: &Arguments) -> Result<()> {
             told.people = message!(sentences::FROM_TRIAL);
             told.warnings.extend(problems.iter().map(|problem| problem.told()));
             if let Some(plan) = &documents.plan {
-                told.settings = flat(&plan.config.to_toml()?)?;
+                told.settings = flat(&plan.config.to_toml()?);
                 told.warnings.push(message!(sentences::SAME_PEOPLE));
             }
             let seed = documents.plan.as_ref().map_or(0, |plan| plan.seed);
@@ -144,7 +144,7 @@ pub fn report(arguments: &Arguments) -> Result<()> {
         }
         None => {
             let as_it_is = Scenario::read_as_it_is(&LocalFiles, path)?;
-            told.settings = flat(&as_it_is.to_toml()?)?;
+            told.settings = flat(&as_it_is.to_toml()?);
             let scenario = Scenario::read(&LocalFiles, path)?;
             let seed = scenario.seed();
             told.people = match scenario.people {
@@ -231,26 +231,19 @@ pub fn report(arguments: &Arguments) -> Result<()> {
     Ok(say!("report             {}", output.display())?)
 }
 
-/// Returns the keys of a TOML text with their values, those of tables by their whole names.
-fn flat(text: &str) -> Result<Vec<(String, String)>> {
-    fn add(all: &mut Vec<(String, String)>, before: &str, table: toml::Table) {
-        /// Longest value that is shown.
-        const MOST: usize = 300;
-        for (key, value) in table {
-            let name = format!("{before}{key}");
-            match value {
-                toml::Value::Table(table) => add(all, &format!("{name}."), table),
-                value => {
-                    let text = value.to_string();
-                    let cut = text.char_indices().nth(MOST).map_or(text.len(), |(place, _)| place);
-                    all.push((name, if cut < text.len() { format!("{} …", &text[..cut]) } else { text }));
-                }
-            }
-        }
-    }
-    let mut all = Vec::new();
-    add(&mut all, "", toml::from_str(text)?);
-    Ok(all)
+/// Returns the keys of a TOML text as it is written, with their values.
+fn flat(text: &str) -> Vec<(String, String)> {
+    let mut table = String::new();
+    let row = |line: &str| {
+        let Some((key, value)) = line.split_once(" = ") else {
+            table = line.trim_matches(['[', ']']).to_owned() + if line.is_empty() { "" } else { "." };
+            return None;
+        };
+        // A corner for each metre of a room would fill pages.
+        let cut = value.char_indices().nth(300).map(|(place, _)| format!("{} …", &value[..place]));
+        Some((format!("{table}{key}"), cut.unwrap_or_else(|| value.to_owned())))
+    };
+    text.lines().filter_map(row).collect()
 }
 
 /// Returns the day, in UTC, on which a file was written.

@@ -14,7 +14,7 @@ use lemons_picture::{
     Style, Values, chart_svg, svg,
 };
 use lemons_results::measure::{
-    Across, Exposed, Flow, LATEST, MeanInterval, Over, Panel, Passage, SPANS, WallLoad,
+    Across, Exposed, Flow, LATEST, Leaving, MeanInterval, Over, Panel, Passage, SPANS, WallLoad,
 };
 use std::collections::BTreeMap;
 
@@ -121,6 +121,16 @@ fn worst<'a>(runs: &'a [RunSeen], of: fn(&RunSeen) -> Option<&Moment>) -> Option
     all.max_by(|a, b| a.1.value.total_cmp(&b.1.value))
 }
 
+/// Says why a run ended.
+fn ended(run: &RunSeen) -> Sentence {
+    match run.leaving.as_ref().map(Leaving::over) {
+        Some(Some(Over::Left)) => WHEN_LEFT,
+        Some(Some(Over::Standstill)) => STANDSTILL,
+        Some(None) => AT_LATEST,
+        None => TIMED,
+    }
+}
+
 /// Runs of one scenario.
 struct Many<'a> {
     runs: &'a [RunSeen],
@@ -136,6 +146,11 @@ impl Many<'_> {
     /// Returns it in words.
     fn seed_of(&self, run: &RunSeen) -> Message {
         self.seed(run).map_or(Message::default(), |seed| message!(OF_SEED, seed))
+    }
+
+    /// Says in which run something was found, where there are several.
+    fn in_run(&self, run: &RunSeen, finding: Message) -> Message {
+        self.seed(run).map_or(finding.clone(), |seed| message!(IN_RUN, seed, finding))
     }
 
     /// Returns so many runs in words.
@@ -189,20 +204,18 @@ impl Many<'_> {
     fn notices(&self) -> Vec<Message> {
         let failed = self.told.failed.iter();
         let failed = failed.map(|(seed, why)| message!(FAILED, seed = *seed as usize, why));
-        let stayed = self.runs.iter().filter_map(|run| {
-            let (why, mut who) = (run.why_some_stay.as_ref()?, run.stay.clone());
+        let stayed = self.runs.iter().filter(|run| !run.stay().is_empty()).map(|run| {
+            let (mut who, time) = (run.stay(), run.end);
+            let (stay, leave) = (who.len(), run.leaving.as_ref().map_or(0, |leaving| leaving.counts().0));
             if who.len() > MOST_NAMES {
                 who.truncate(MOST_NAMES);
                 who.push("…".into());
             }
-            let who = who.join(", ");
-            Some(match self.seed(run) {
-                Some(seed) => message!(STAYED, seed, why, who),
-                None => message!(STAYED_ONE, why, who),
-            })
+            let why = plain(ended(run));
+            self.in_run(run, message!(NOT_LEFT, stay, leave, time, why, who = who.join(", ")))
         });
         let mut all: Vec<Message> = failed.chain(stayed).collect();
-        if all.is_empty() && self.runs[0].over == Some(Over::Left) {
+        if all.is_empty() && self.runs[0].all_left() {
             all.push(message!(ALL_OUT, runs = self.count(self.runs.len())));
         }
         all.extend((self.runs.len() == 1).then(|| plain(ONE_RUN)));
@@ -215,13 +228,14 @@ impl Many<'_> {
         let of =
             |run: &RunSeen, agent: usize, time: f64| message!(OF_AT, who = &run.trial.agents[agent].id, time);
         let mut rows = Vec::new();
-        if first.counts.0 > 0 {
-            let left = |run: &RunSeen| (run.over == Some(Over::Left)).then_some(run.end);
+        if first.leaving.is_some() {
+            let left = |run: &RunSeen| run.all_left().then_some(run.end);
             rows.push(self.row(plain(EVACUATION), ("s", 1), left));
-            rows.push(self.row(plain(LEFT), ("", 0), |run| Some(run.counts.1 as f64)));
-            rows.push(self.row(plain(STAY), ("", 0), |run| Some(run.stay.len() as f64)));
+            rows.push(self.row(plain(LEFT), ("", 0), |run| Some(run.leaving.as_ref()?.counts().1 as f64)));
+            rows.push(self.row(plain(STAY), ("", 0), |run| Some(run.stay().len() as f64)));
             rows.push(self.row(plain(WAIT), ("s", 1), |run| {
-                run.wait.map(|wait| (wait.time, of(run, wait.agent, wait.from)))
+                let wait = run.leaving.as_ref()?.longest_wait()?;
+                Some((wait.time, of(run, wait.agent, wait.from)))
             }));
         }
         rows.push(self.row(plain(DENSEST), ("1/m²", 1), |run| {
@@ -271,7 +285,8 @@ impl Many<'_> {
         let RunSeen { trial, plan, settings, .. } = first;
         let seeds: Vec<String> = self.runs.iter().filter_map(|run| Some(run.seed?.to_string())).collect();
         let time = settings.until.latest();
-        let until = if first.counts.0 > 0 { message!(UNTIL_LEFT, time) } else { message!(UNTIL_TIME, time) };
+        let until =
+            if first.leaving.is_some() { message!(UNTIL_LEFT, time) } else { message!(UNTIL_TIME, time) };
         let mut rows = vec![(plain(SEEDS), seeds.join(", ").into()), (plain(UNTIL), until)];
         rows.push((plain(BODIES_FROM), self.told.people.clone()));
         of_plan(plan.as_ref(), &mut rows);
@@ -302,7 +317,7 @@ impl Many<'_> {
             rows.push(self.row(message!(BY_FIRST, exit), ("s", 1), |run| time(of(run).first())));
             rows.push(self.row(message!(BY_LAST, exit), ("s", 1), |run| time(of(run).last())));
         }
-        if rows.is_empty() || first.counts.0 == 0 {
+        if rows.is_empty() || first.leaving.is_none() {
             return Vec::new();
         }
         let curve = |(group, run): (usize, &RunSeen)| {
@@ -343,14 +358,9 @@ impl Many<'_> {
     fn squeeze(&self) -> Vec<Block> {
         let (_, over) = self.runs[0].settings.limit;
         let row = |run: &RunSeen| {
-            let why = match run.over {
-                Some(Over::Left) => WHEN_LEFT,
-                Some(Over::Standstill) => STANDSTILL,
-                None if run.counts.0 > 0 => AT_LATEST,
-                None => TIMED,
-            };
             let seed = run.seed.map_or("–".to_owned(), |seed| seed.to_string());
-            let begin = [seed.into(), number(run.end, 1), plain(why), run.stay.len().to_string().into()];
+            let begin =
+                [seed.into(), number(run.end, 1), plain(ended(run)), run.stay().len().to_string().into()];
             let Some(Moment { time, value, who, by_walls, poses, .. }) = &run.pressed else {
                 return begin.into_iter().chain(["–"; 6].map(Message::from)).collect();
             };
@@ -424,10 +434,7 @@ impl Many<'_> {
 
     fn warnings(&self) -> Block {
         let found = self.runs.iter().flat_map(|run| run.findings.iter().map(move |finding| (run, finding)));
-        let found = found.map(|(run, finding)| match self.seed(run) {
-            Some(seed) => message!(IN_RUN, seed, finding),
-            None => finding.clone(),
-        });
+        let found = found.map(|(run, finding)| self.in_run(run, finding.clone()));
         let items: Vec<Message> = self.told.warnings.iter().cloned().chain(found).collect();
         if items.is_empty() { Block::Text { text: plain(NO_WARNINGS) } } else { Block::List { items } }
     }
@@ -541,10 +548,10 @@ fn of_trial(trial: &Trial, rows: &mut Vec<(Message, Message)>) {
     let [least, most, _] = spread(trial.agents.iter().map(|agent| agent.shapes.len() as f64));
     row(BODIES, message!(DISKS, range = range(least, most, 0)));
     let moduli = trial.materials.intrinsic.iter();
-    let moduli = moduli.map(|of| format!("{}: {:e}, {:e} N/m", of.id, of.young_modulus, of.shear_modulus));
+    let moduli = moduli.map(|of| format!("{:?}: {:e}, {:e} N/m", of.id, of.young_modulus, of.shear_modulus));
     row(MATERIALS, moduli.collect::<Vec<_>>().join("; ").into());
     let pairs = trial.materials.binary.iter();
-    let pairs = pairs.map(|of| format!("{} – {}: {}", of.id1, of.id2, of.kinetic_friction));
+    let pairs = pairs.map(|of| format!("{:?} – {:?}: {}", of.id1, of.id2, of.kinetic_friction));
     row(FRICTION, pairs.collect::<Vec<_>>().join("; ").into());
     let walls = &trial.geometry.walls;
     let length = walls.iter().flat_map(|wall| wall.sides()).map(|[from, to]| (to - from).norm()).sum::<f64>();

@@ -2,7 +2,7 @@
 
 use crate::{Block, Report, Section};
 use lemons_core::message::Message;
-use std::fmt::Write;
+use lemons_core::xml;
 
 const STYLE: &str = include_str!("report.css");
 
@@ -37,22 +37,16 @@ fn block(out: &mut String, block: &Block) {
         Block::Table { caption, head, rows, numbers } => {
             let facts = if head.is_empty() { " class=\"facts\"" } else { "" };
             *out += &format!("<table{facts}>\n<caption>{}</caption>\n", escaped(caption));
-            let cell = |k: usize, cell: &Message, heading: &str| {
-                let class = if numbers[k] { " class=\"number\"" } else { "" };
-                let (name, scope) = if heading.is_empty() { ("td", "") } else { ("th", heading) };
-                format!("<{name}{scope}{class}>{}</{name}>", escaped(cell))
-            };
             let mut row = |cells: &[Message], heads: bool| {
                 *out += "<tr>";
-                for (k, of) in cells.iter().enumerate() {
-                    let heading = if heads {
-                        " scope=\"col\""
-                    } else if k == 0 {
-                        " scope=\"row\""
-                    } else {
-                        ""
+                for (k, cell) in cells.iter().enumerate() {
+                    let class = if numbers[k] { " class=\"number\"" } else { "" };
+                    let (begin, end) = match (heads, k) {
+                        (true, _) => ("th scope=\"col\"", "th"),
+                        (false, 0) => ("th scope=\"row\"", "th"),
+                        _ => ("td", "td"),
                     };
-                    *out += &cell(k, of, heading);
+                    *out += &format!("<{begin}{class}>{}</{end}>", escaped(cell));
                 }
                 *out += "</tr>\n";
             };
@@ -73,41 +67,11 @@ fn block(out: &mut String, block: &Block) {
 
 /// Returns the address of a picture within the page. So Ids of pictures are apart.
 fn address(svg: &str) -> String {
-    let mut out = "data:image/svg+xml;charset=utf-8,".to_owned();
-    for c in svg.chars() {
-        match c {
-            '"' => out.push('\''),
-            '%' | '#' | '<' | '>' | '&' | '\'' | '{' | '}' | '|' | '\\' | '^' | '`' => {
-                let _ = write!(out, "%{:02X}", c as u32);
-            }
-            c if c.is_control() => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
+    format!("data:image/svg+xml;charset=utf-8,{}", escaped(&svg.replace('%', "%25").replace('#', "%23")))
 }
 
-/// Returns a text in which nothing is markup.
+/// Returns a text in which nothing is markup, or turns the direction of what follows.
 fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out += "&amp;",
-            '<' => out += "&lt;",
-            '>' => out += "&gt;",
-            '"' => out += "&quot;",
-            '\'' => out += "&#39;",
-            '\n' | '\t' => out.push(' '),
-            // Neither XML nor a reader knows others.
-            c if c.is_control()
-                || ('\u{202a}'..='\u{202e}').contains(&c)
-                || c == '\u{fffe}'
-                || c == '\u{ffff}' =>
-            {
-                out.push('\u{fffd}');
-            }
-            c => out.push(c),
-        }
-    }
-    out
+    let turns = |c: char| matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    xml::escaped(&text.replace(|c: char| c.is_control() || turns(c), " ")).into_owned()
 }

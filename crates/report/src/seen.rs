@@ -9,7 +9,8 @@ use lemons_decision::target::nearest_exit;
 use lemons_picture::{DENSITY_KERNEL, DensityMap, MarkKind, PictureScene, PlaceMark};
 use lemons_results::Frame;
 use lemons_results::measure::{
-    BalanceOverTime, By, Exposed, LoadsOverTime, MovingMeans, Over, SqueezeOverTime, Wait, WallLoads, squeeze,
+    BalanceOverTime, By, Exposed, Leaving, LoadsOverTime, MovingMeans, Over, SqueezeOverTime, WallLoads,
+    squeeze,
 };
 use lemons_sim::lint::RunEnd;
 use lemons_sim::{
@@ -62,16 +63,8 @@ pub struct RunSeen {
     pub settings: Settings,
     /// \[s\] When it ended.
     pub end: f64,
-    /// How many were to leave, and how many have left.
-    pub counts: (usize, usize),
-    /// Why the run ended, where people were to leave.
-    pub over: Option<Over>,
-    /// Why some have not left, in words; `None` if all have.
-    pub why_some_stay: Option<String>,
-    /// Ids of those who have not left and were to.
-    pub stay: Vec<String>,
-    /// The longest wait of those who were to leave.
-    pub wait: Option<Wait>,
+    /// Who was to leave, and has; `None`: nobody was.
+    pub leaving: Option<Leaving>,
     /// \[s\] Of each departure, in the order of time, and the place of the exit among the targets.
     pub departures: Vec<(f64, Option<usize>)>,
     /// Everybody's exposure to squeeze; `None`: it is not known.
@@ -105,6 +98,17 @@ fn marks(plan: Option<&Plan>) -> Vec<PlaceMark> {
 }
 
 impl RunSeen {
+    /// Returns whether people were to leave, and all have.
+    pub(crate) fn all_left(&self) -> bool {
+        self.leaving.as_ref().is_some_and(|leaving| leaving.over() == Some(Over::Left))
+    }
+
+    /// Returns the Ids of those who have not left and were to.
+    pub(crate) fn stay(&self) -> Vec<String> {
+        let stay = self.leaving.iter().flat_map(Leaving::stay);
+        stay.map(|agent| self.trial.agents[agent].id.clone()).collect()
+    }
+
     /// Returns walls, exits and people at poses, in the same view for all.
     pub(crate) fn scene(&self, poses: Option<Vec<Pose>>) -> PictureScene<'_> {
         let mut scene = PictureScene::at_start(&self.trial);
@@ -155,19 +159,11 @@ impl RunSeen {
             simulation.world().map(|world| world.drive.iter().map(|drive| drive.force).collect());
         let findings = plan.iter().flat_map(|plan| end.findings(plan, forces.as_deref(), true));
         let exit = |at: Vec2| nearest_exit(&plan.as_ref()?.targets, at);
-        let leaving = run.leaving();
-        let time = simulation.time();
-        let stay =
-            leaving.iter().flat_map(|leaving| leaving.stay()).map(|agent| trial.agents[agent].id.clone());
         Ok(Some(RunSeen {
             seed,
             settings,
-            end: time,
-            counts: leaving.map_or((0, 0), |leaving| leaving.counts()),
-            over: leaving.and_then(|leaving| leaving.over()),
-            why_some_stay: leaving.and_then(|leaving| leaving.why_some_stay(time)),
-            stay: stay.collect(),
-            wait: leaving.and_then(|leaving| leaving.longest_wait()),
+            end: simulation.time(),
+            leaving: run.leaving().cloned(),
             departures: end.departures.iter().map(|(time, at)| (*time, exit(*at))).collect(),
             exposure: exposure.finish().ok(),
             pressed,

@@ -13,8 +13,7 @@ lemons_core::sentences! {
     LIMITS "report.limits" "What these numbers do not say";
     VERSIONS "report.versions" "Versions";
 
-    STAYED "report.stayed" "Seed {seed}: {why}. Who has not left: {who}.";
-    STAYED_ONE "report.stayed-one" "{why}. Who has not left: {who}.";
+    NOT_LEFT "report.not-left" "{stay} of {leave} people have not left after {time:.2} s ({why}): {who}";
     FAILED "report.failed" "Seed {seed} has no result and is not counted: {why}";
     ALL_OUT "report.all-out" "Everybody left who was to leave ({runs}).";
     ONE_RUN "report.one-run" "One run: it is one sample. Other seeds place other people; how much the numbers differ is not known.";
@@ -134,7 +133,7 @@ lemons_core::sentences! {
     AT_LATEST "report.latest" "stopped: its latest end";
     TIMED "report.timed" "its time was over";
     WHY "report.why" "why";
-    IN_RUN "report.in-run" "seed {seed}: {finding}";
+    IN_RUN "report.in-run" "Seed {seed}: {finding}";
     SAME_PEOPLE "report.same-people" "All runs have the same people at the same places: these seeds choose only what decision.toml draws.";
     NO_WARNINGS "report.no-warnings" "The rules of lemons check found nothing.";
 
