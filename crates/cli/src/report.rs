@@ -10,6 +10,7 @@ use crate::version::BUILD;
 use anyhow::{Context, Result, bail};
 use lemons_core::files::source::LocalFiles;
 use lemons_core::message::{Message, message};
+use lemons_core::trial::DRIVE_FILE;
 use lemons_decision::{DecisionConfig, Plan};
 use lemons_master::{DecisionChoice, TrialInput};
 use lemons_report::{LIMIT, Report, RunSeen, Settings, Told, html, pdf, sentences};
@@ -139,6 +140,8 @@ pub fn report(arguments: &Arguments) -> Result<()> {
                 told.settings = flat(&plan.config.to_toml()?);
                 told.warnings.push(message!(sentences::SAME_PEOPLE));
             }
+            let pushed = documents.drive.end().map(|end| (DRIVE_FILE.to_owned(), format!("0 – {end} s")));
+            told.settings.extend(pushed);
             let seed = documents.plan.as_ref().map_or(0, |plan| plan.seed);
             (Subject::Trial(Box::new(documents)), seed)
         }
@@ -201,7 +204,7 @@ pub fn report(arguments: &Arguments) -> Result<()> {
         if bar.is_hidden() && print::is_due(&mut noted, Instant::now()) {
             note!("{} of {count} runs", seen.len());
         }
-        Ok(())
+        Ok::<_, anyhow::Error>(())
     })?;
     bar.finish_and_clear();
     if !all {

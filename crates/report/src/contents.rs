@@ -116,7 +116,7 @@ fn heads<const N: usize>(all: [Sentence; N]) -> Vec<Message> {
 }
 
 /// Returns the run in which a moment has the greatest value, and the moment.
-fn worst<'a>(runs: &'a [RunSeen], of: fn(&RunSeen) -> Option<&Moment>) -> Option<(&'a RunSeen, &'a Moment)> {
+fn worst(runs: &[RunSeen], of: fn(&RunSeen) -> Option<&Moment>) -> Option<(&RunSeen, &Moment)> {
     let all = runs.iter().filter_map(|run| Some((run, of(run)?)));
     all.max_by(|a, b| a.1.value.total_cmp(&b.1.value))
 }

@@ -210,7 +210,7 @@ fn widths(head: &[Message], rows: &[Vec<Message>], numbers: &[bool]) -> Vec<f32>
     }
     // A table of names and values is as wide as the page.
     if head.is_empty() && widths.len() == 2 {
-        widths[0] = widths[0].max(0.3 * WIDTH).min(0.45 * WIDTH);
+        widths[0] = widths[0].clamp(0.3 * WIDTH, 0.45 * WIDTH);
         widths[1] = room - widths[0];
     }
     widths

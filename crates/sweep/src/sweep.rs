@@ -1,6 +1,6 @@
 //! Runs a sweep: threads simulate points, and their results are appended to the table.
 
-use crate::error::Result;
+use crate::error::{Result, SweepError};
 use crate::points::Points;
 use crate::simulate::{LoadedModel, SweepJob};
 use crate::spec::Spec;
@@ -82,7 +82,7 @@ pub fn sweep(
         progress.done += rows.len();
         progress.failed += rows.iter().filter(|row| row.outcome.is_err()).count();
         report(progress);
-        Ok(())
+        Ok::<_, SweepError>(())
     })?;
     let points = job.spec.points.clone();
     let whole = progress.done == progress.total;

@@ -1,11 +1,11 @@
 //! Threads that simulate points, whose results arrive as they finish.
 
-use crate::error::{ErrorPlace, Result, SweepError};
+use crate::error::{ErrorPlace, SweepError};
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::thread::Builder;
+use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 /// Points that are simulated in several threads.
@@ -46,13 +46,13 @@ impl<P: SimulatedPoints> Queue<P> {
 ///
 /// # Errors
 /// Those of `write`, and a thread cannot be started or panicked.
-pub fn in_threads<P: SimulatedPoints>(
+pub fn in_threads<P: SimulatedPoints, E: From<SweepError>>(
     job: &Arc<P>,
     points: Vec<usize>,
     threads: usize,
     stop: &AtomicBool,
-    write: impl FnMut(Vec<P::Done>) -> Result<()>,
-) -> Result<bool> {
+    write: impl FnMut(Vec<P::Done>) -> Result<(), E>,
+) -> Result<bool, E> {
     let (job, next, over) = (job.clone(), AtomicUsize::new(0), AtomicBool::new(false));
     let queue = Arc::new(Queue { job, points, next, over });
     let (finished, arrived) = channel();
@@ -63,10 +63,11 @@ pub fn in_threads<P: SimulatedPoints>(
     let workers: io::Result<Vec<_>> = (0..threads.min(queue.points.len())).map(begin).collect();
     // The channel closes when all workers have ended.
     drop(finished);
-    let done = workers.place(|| "cannot start a thread".into()).and_then(|workers| {
+    let done = workers.place(|| "cannot start a thread".into()).map_err(E::from).and_then(|workers| {
         let all = collect(&arrived, stop, write)?;
+        let join = |worker: JoinHandle<()>| worker.join().map_err(|_| SweepError::Worker);
         if all {
-            workers.into_iter().try_for_each(|worker| worker.join().map_err(|_| SweepError::Worker))?;
+            workers.into_iter().try_for_each(join)?;
         }
         Ok(all)
     });
@@ -79,11 +80,11 @@ const LATENCY: Duration = Duration::from_millis(50);
 
 /// Gives away finished points as they arrive: at first each second, later each hundredth of the elapsed time. Returns
 /// whether all have arrived, and the threads have ended.
-fn collect<D>(
+fn collect<D, E>(
     arrived: &Receiver<D>,
     stop: &AtomicBool,
-    mut write: impl FnMut(Vec<D>) -> Result<()>,
-) -> Result<bool> {
+    mut write: impl FnMut(Vec<D>) -> Result<(), E>,
+) -> Result<bool, E> {
     let (start, mut last) = (Instant::now(), Instant::now());
     let mut pending = Vec::new();
     loop {
