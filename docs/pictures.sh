@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Makes pictures of README.md and docs/ again: docs/pictures.sh [DIRECTORY [NAME...]]
-# The directory is docs/ if none is given. The names are push balance crowd people_kinds scenes room guide physics measured flow turnstile lab;
+# The directory is docs/ if none is given. The names are push balance crowd people_kinds scenes trains room guide physics measured flow turnstile lab;
 # all if none is given. Needs cargo build --release -p crowd-mechanics -p lemons-decision-fmu -p lemons-cli; physics needs
 # cargo, too.
-# scene_*.png need Python (PYTHON, else .venv, else python3).
+# scene_*.png need Python (PYTHON, else .venv, else python3); trains one with pandas.
 # measured.png needs the measured push (../shared/data/push_wed), flow.png a Python with FMPy and Matplotlib (PYTHON, else
 # .venv), turnstile.png one with Matplotlib and a C compiler, lab_*.png also Playwright there, Chromium, and the lab in the
 # command (lab/build.sh). Each stays as it is without.
@@ -44,6 +44,10 @@ python=${PYTHON:-$PWD/.venv/bin/python}
 if wanted scenes; then
     # "$to/scene_concert.png" "$to/scene_platform.png" "$to/scene_stadium.png"
     LEMONS=$lemons "$(command -v "$python" || echo python3)" examples/scenes/scenes.py all "$scratch/scenes" --pictures "$to" >/dev/null
+fi
+
+if wanted trains; then
+    LEMONS=$lemons "$(command -v "$python" || echo python3)" examples/trains.py "$scratch/trains" --seeds 1 --until 170 --picture "$to/scene_trains.png" >/dev/null
 fi
 
 if wanted room; then

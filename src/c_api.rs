@@ -47,6 +47,7 @@ pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallErr
     world
         .advance(trial.parameters.time_step)
         .map_err(|error| CallError::Advance(Setup::of(&trial).name_body(&error)))?;
+    Setup::of(&trial).carry_over_links(&mut world)?;
     let FileNames { dynamics, interactions, .. } = trial.places(names);
     Ok(change_all(&output(&trial, &world, dynamics, interactions))?)
 }

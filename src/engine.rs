@@ -70,6 +70,7 @@ mod report;
 mod round_bodies;
 mod scene;
 mod shortlist;
+mod slope;
 mod springs;
 mod state;
 mod threads;

@@ -8,7 +8,8 @@
 //! F_n = (k_n h − γ_n v_n) n,    F_t = −k_t s − γ_t v_t   while |F_t| ≤ μ |F_n|, else sliding at μ |F_n|
 //! ```
 //!
-//! (Dufour, Stapelle, Nicolas: *LEMONS*, eq. 1 and App. A). The house, with the way of a Trial through it:
+//! (Dufour, Stapelle, Nicolas: *LEMONS*, eq. 1 and App. A); on a slope, m (1 − held) g sin α downhill is added, with
+//! lengths in plan. The house, with the way of a Trial through it:
 //!
 //! ```text
 //!    a Trial (XML)                                an importer: FMPy, libcosim, …

@@ -16,6 +16,7 @@ use crate::engine::{AdvanceError, BodyId, Pair, World, Wrench, step_count, vec2}
 use crate::quantities::{self, CrowdQuantity, field};
 use crate::resources::Resources;
 use crate::setup::Setup;
+use lemons_core::plane::Motion;
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_fmi::variables::Role;
 use lemons_fmi::{Answer, Phase, refuse};
@@ -168,18 +169,16 @@ impl CrowdModel {
         Ok(self.world.as_mut().expect("made above"))
     }
 
-    /// Takes those out of a new world who are not there at the start.
+    /// Takes those out of a new world whom the importer says not to be there at the start, and puts those in who are.
     fn dismiss(&self, world: &mut World) -> Answer<()> {
-        let absent = self
-            .settings
-            .elements
-            .iter()
-            .filter(|((quantity, _), value)| *quantity == CrowdQuantity::Active && **value == 0.0);
-        let absent: Vec<BodyId> = absent.map(|((_, agent), _)| BodyId::from(*agent)).collect();
-        if absent.is_empty() {
+        let said =
+            self.settings.elements.iter().filter(|((quantity, _), _)| *quantity == CrowdQuantity::Active);
+        let said = said.map(|((_, agent), value)| (BodyId::from(*agent), *value != 0.0));
+        let other: Vec<_> = said.filter(|(body, there)| world.is_present(*body) != *there).collect();
+        if other.is_empty() {
             return Ok(());
         }
-        absent.into_iter().for_each(|body| world.set_present(body, false));
+        other.into_iter().for_each(|(body, there)| world.set_present(body, there));
         let restored = world.restore(world.state().clone());
         Ok(restored.map_err(|crowded| Setup::of(&self.trial).too_crowded(crowded))?)
     }
@@ -210,6 +209,17 @@ impl CrowdModel {
             self.warnings.extend(told.map(|told| told.text));
         }
         self.said_coincident = first;
+    }
+
+    /// Who comes for the first time, where the Trial says, moves as the Trial says.
+    fn let_come(&mut self) {
+        let Some(world) = &mut self.world else { return };
+        for &i in &self.moved {
+            let (body, Motion { pose, twist }) = (BodyId::from(i), self.trial.dynamics[i].motion());
+            if world.is_present(body) && world.state().poses[i] == pose {
+                world.set_twist(body, twist);
+            }
+        }
     }
 
     /// Warns of those who come back at a time \[s\] where others or walls are.
@@ -264,7 +274,10 @@ impl CrowdModel {
             CrowdQuantity::IntermediateSteps => self.settings.intermediate_steps.into(),
             CrowdQuantity::PlayDrive => self.settings.play_drive.into(),
             CrowdQuantity::MostMechanicalSteps => self.settings.most_steps,
-            CrowdQuantity::Active => self.settings.elements.get(&(quantity, element)).copied().unwrap_or(1.0),
+            CrowdQuantity::Active => {
+                let usual = f64::from(!self.trial.dynamics[element].absent);
+                self.settings.elements.get(&(quantity, element)).copied().unwrap_or(usual)
+            }
             _ if quantity.row().role == Role::Calculated => {
                 let mut value = [0.0];
                 quantity.read(self.make_world()?, element, &mut value);

@@ -93,7 +93,7 @@ def outcome(row, results):
     verdict, words = judged(row, numbers)
     ours = shown(row.get("ours") or TABLE["scenes"][row["scene"]]["ours"], numbers)
     if row.get("why"):
-        ours += " " + row["why"]
+        ours += " " + shown(row["why"], numbers)
     return ours, f"**{verdict}**" + (f": {words}" if words else "")
 
 

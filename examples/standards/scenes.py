@@ -592,10 +592,165 @@ def large_corner(work, people=500, seed=1):
     return {"short": short, "corner": turn, "long": long, "above": turn - short, "below": long - turn, "_paths": ways}
 
 
+# ---- stairs, floors, smoke ----
+
+RISER, TREAD = 0.17, 0.29  # m
+ANGLE = math.atan2(RISER, TREAD)
+
+
+def add(trial, *elements):
+    """Adds elements to the Geometry.xml of a Trial: a name, attributes, and corners."""
+    path = trial / "static" / "Geometry.xml"
+    text = ""
+    for k, (name, attributes, corners) in enumerate(elements):
+        words = "".join(f' {key}="{value!r}"' for key, value in attributes.items())
+        places = "".join(f'<Corner Coordinates="{x!r},{y!r}"/>' for x, y in corners)
+        text += f'<{name} Id="{k}"{words}>{places}</{name}>\n'
+    path.write_text(path.read_text().replace("</Geometry>", text + "</Geometry>"))
+
+
+def flight(x, length, low, high, up, speed=None):
+    """Stairs for `add` from x [m] on, up or down along x. A factor of the speed of who goes that way may be given."""
+    own = {} if speed is None else {"SpeedUp" if up else "SpeedDown": speed}
+    corners = [(x, low), (x + length, low), (x + length, high), (x, high)]
+    return "Ground", {"Downhill": math.pi if up else 0.0, "Riser": RISER, "Tread": TREAD, **own}, corners
+
+
+def stairs(work, up, length, speed=None):
+    """One person on stairs 2 m wide, so long [m] along the incline. The speed along the incline [m/s] is set, or follows from the
+    stairs. They begin 2 m before the line from which on the time counts: the person then walks steadily."""
+    trial = work / f"stairs_{up}_{length}_{speed}"
+    plan = length * math.cos(ANGLE)
+    make(trial, [[(-6, 0), (plan + 4, 0)], [(-6, 2), (plan + 4, 2)]], 1, "-5.5,0.6,-4.5,1.4", orientation="fixed", fixed="49,25,1.75,70")
+    add(trial, flight(-2.0, plan + 2.5, -1.0, 3.0, up, speed and speed * math.cos(ANGLE) / SPEED))
+    write_decision(trial, {"end": ((plan + 3, 0), (plan + 3, 2))})
+    summary, tables = walk(trial, line("in", (0, 0), (0, 2)), line("out", (plan, 0), (plan, 2)))
+    time = float((crossed(tables, "out") - crossed(tables, "in")).iloc[0])
+    found = length / time
+    return {"time": time, "speed": found, "horizontal": plan / time, "deviation": abs(found / speed - 1) if speed else 0.0, "length": length}
+
+
+#: Speeds of the slow and the fast lane on stairs against the density, with their spreads: the fit of Corbetta with which JuPedSim's
+#: web community compares its test 13 of RiMEA; in m/s and 1/m².
+BANDS = {
+    True: (lambda d: 0.48 + 0.01 * d - (0.10 - 0.02 * d), lambda d: 0.18 * d**2 - 0.55 * d + 1.02 + 0.35 - 0.14 * d),
+    False: (lambda d: 0.67 - 0.08 * d - (0.14 - 0.06 * d), lambda d: 0.33 * d**2 - 1.02 * d + 1.39 + 0.29 - 0.11 * d),
+}
+
+
+def stairs_diagram(work, people=100, seed=1):
+    """100 people go from a room of 10 m x 10 m into a corridor of 9 m x 2 m with stairs 5 m long, in plan, up or down. Speeds
+    are those over the stairs, densities those on them between the passages of a fifth and of four fifths."""
+
+    def once(up):
+        trial = work / f"stairs_diagram_{up}"
+        make(trial, room(10, 10, 2, 5, 9), people, (0, 0, 10, 10), seed)
+        add(trial, flight(12.0, 5.0, 3.5, 6.5, up))
+        write_decision(trial, {"end": ((18.5, 4), (18.5, 6))}, each_speed(people, seed))
+        _, tables = walk(trial, line("in", (12, 4), (12, 6)), line("out", (17, 4), (17, 6)), "--area=stairs=12,4,17,6")
+        begin, end = crossed(tables, "in"), crossed(tables, "out")
+        own = 5 / (end - begin[end.index])
+        density = steady_densities(tables, begin)["stairs"]
+        low, high = (band(density) for band in BANDS[up])
+        return density, own.mean(), low, high, people - len(end)
+
+    (up_density, up, up_low, up_high, stay), (down_density, down, down_low, down_high, others) = at_once(once, (True, False))
+    return {
+        **{"up": up, "down": down, "up_density": up_density, "down_density": down_density},
+        **{"up_low": up_low, "up_high": up_high, "down_low": down_low, "down_high": down_high},
+        "off": max(0.0, up_low - up, up - up_high, down_low - down, down - down_high),
+        # Nelson and Mowrer along the incline, k = 1.08, in plan; the same up and down.
+        "sfpe": [1.08 * (1 - 0.266 * density) * math.cos(ANGLE) for density in (up_density, down_density)],
+        "faster": down - up,
+        "stay": stay + others,
+    }
+
+
+def stairs_width(work, widths=(1.0, 1.4, 1.8), people=100, seed=1):
+    """100 people go from a room of 8 m x 5 m up stairs 4 m long, of several widths, which begin 1 m behind its opening."""
+
+    def once(width):
+        trial = work / f"stairs_width_{width}"
+        make(trial, room(8, 5, width, 2.5, 7), people, (0, 0, 8, 5), seed)
+        add(trial, flight(9.0, 4.0, 1.0, 4.0, True))
+        low, high = 2.5 - width / 2, 2.5 + width / 2
+        write_decision(trial, {"end": ((14.5, low), (14.5, high))}, each_speed(people, seed))
+        return validation.steady(crossed(walk(trial, line("top", (13, low), (13, high)))[1], "top"))
+
+    flows = np.array(at_once(once, widths))
+    return {"widths": np.array(widths), "flows": flows, "specific": flows / np.array(widths), "least_growth": np.diff(flows).min()}
+
+
+def floors_of(count, length, wide):
+    """Walls of floors beside each other, and the links that join the right end of each to the left end of the next. Behind each
+    line of a link there is 0.6 m."""
+    step = length + 5.0
+    walls, links = [], []
+    for k in range(count):
+        x = k * step
+        closed = [(x + length, 0.0), (x, 0.0), (x, wide), (x + length, wide)]
+        walls.append([*closed, closed[0]] if k < count - 1 else closed)
+        if k:
+            links.append(("Link", {}, [(x - 5.6, 0.0), (x - 5.6, wide), (x + 0.6, wide), (x + 0.6, 0.0)]))
+    return walls, links, step
+
+
+def building(work, speeds=(0.8, 1.2, 1.6), floors=3, each=20, seed=1):
+    """Three floors of 16 m x 2.4 m, each with 20 people in its left half, whose right end is stairs of 4 m down to the next floor.
+    All leave by the end of the last one. The desired speed is varied."""
+    walls, links, step = floors_of(floors, 16.0, 2.4)
+    flights = [flight(k * step + 10.0, 4.0, 0.0, 2.4, False) for k in range(floors - 1)]
+
+    def once(speed):
+        trial = work / f"building_{speed}"
+        regions = [f"{k * step + 1},0.2,{k * step + 9},2.2; number={each}" for k in range(floors)]
+        make(trial, walls, None, regions, seed)
+        add(trial, *flights, *links)
+        end = (floors - 1) * step + 15.5
+        write_decision(trial, {"street": ((end, 0.0), (end, 2.4))}, speed=speed)
+        left = walk(trial)[0]["left"]
+        return left["last"], left["people"]
+
+    found = at_once(once, speeds)
+    times = np.array([last for last, _ in found])
+    return {"speeds": np.array(speeds), "times": times, "least_fall": -np.diff(times).max(), "stay": floors * each * len(speeds) - sum(count for _, count in found)}
+
+
+def stairs_or_around(work, people=30, seed=1):
+    """A room of 24 m x 6 m with a wall in its middle. To get to the goal on the other side of the wall, people go straight on over stairs to
+    another floor, 6 m long, and over a link beside the goal; or, on the level, around the far end of the wall."""
+    trial = work / "stairs_or_around"
+    # Over the line at x = 5.4 m to the other floor, over its stairs, and back over a line beside the goal.
+    walls = [[(0, 0), (24, 0), (24, 6), (0, 6), (0, 0)], [(0, 3), (22, 3)], [(29.4, 0), (38, 0), (38, 1.4), (29.4, 1.4), (29.4, 0)]]
+    walls += [[(5, 1.4), (6, 1.4), (6, 0)], [(5, 4.6), (6, 4.6), (6, 6)]]
+    links = [("Link", {}, [(5.4, 0.0), (5.4, 1.4), (30.0, 1.4), (30.0, 0.0)]), ("Link", {}, [(37.4, 0.0), (37.4, 1.4), (5.4, 4.6), (5.4, 6.0)])]
+    make(trial, walls, people, "0.3,0.3,4,2.7", seed)
+    add(trial, flight(31.0, 5.0, 0.0, 1.4, True), *links)
+    write_decision(trial, {"goal": ((0.5, 3), (0.5, 6))}, each_speed(people, seed))
+    summary, tables = walk(trial, line("stairs", (31, 0), (31, 1.4)), line("around", (22, 1.5), (24, 1.5)))
+    used = {name: sum(len(crossed(tables, name, side)) for side in ("left", "right")) for name in ("stairs", "around")}
+    return {**used, "stay": people - summary["left"]["people"], "last": summary["left"]["last"]}
+
+
+def smoke(work, extinction=1.0, length=100.0, clear=1.25):
+    """One person walks through 100 m of even smoke, as a level ground with a factor of the speed: 1 - 0.057/0.706 K, the law of Frantzich
+    and Nilsson (2003) for an extinction coefficient K [1/m]."""
+    trial = work / "smoke"
+    factor = 1 - 0.057 / 0.706 * extinction
+    make(trial, [[(-6, 0), (length + 4, 0)], [(-6, 2), (length + 4, 2)]], 1, "-5.5,0.6,-4.5,1.4", orientation="fixed", fixed="49,25,1.75,70")
+    corners = [(0.0, -1.0), (length, -1.0), (length, 3.0), (0.0, 3.0)]
+    add(trial, ("Ground", {"Downhill": 0.0, "Angle": 0.0, "Held": 1.0, "SpeedDown": factor, "SpeedUp": factor}, corners))
+    write_decision(trial, {"end": ((length + 3, 0), (length + 3, 2))}, speed=clear)
+    _, tables = walk(trial, line("in", (0, 0), (0, 2)), line("out", (length, 0), (length, 2)))
+    time = float((crossed(tables, "out") - crossed(tables, "in")).iloc[0])
+    return {"time": time, "factor": factor, "deviation": abs(time * clear * factor / length - 1)}
+
+
 SCENES = {
     function.__name__: function
     for function in (
         *(corridor, premovement, corner, speeds, ring, corridor_of_60, single_file, exit_flow, congestion, counterflow, wheelchair),
         *(routes, doors, choice, familiar, closing_exit, groups, goal_distance, neck_length, two_necks, neck_width, large_corner),
+        *(stairs, stairs_diagram, stairs_width, building, stairs_or_around, smoke),
     )
 }

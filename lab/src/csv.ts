@@ -90,7 +90,8 @@ function leavings(film: Film): Leaving[] {
         if (!(left[k]! > left[k - 1]!)) continue;
         const [before, now] = [frames.frame(k - 1).slice(), frames.frame(k)];
         for (let agent = 0; agent < scene.agents.length; agent++) {
-            if (known.gone.has(agent) || !Number.isNaN(now[COLUMNS * agent]!)) continue;
+            // Who has not come yet has no velocity either.
+            if (known.gone.has(agent) || !Number.isNaN(now[COLUMNS * agent]!) || Number.isNaN(now[COLUMNS * agent + 3]!)) continue;
             known.gone.add(agent);
             const at: Point = [before[COLUMNS * agent]!, before[COLUMNS * agent + 1]!];
             const near = exits.reduce((best, exit) => (away(at, exit.corners) < away(at, best.corners) ? exit : best), exits[0]!);

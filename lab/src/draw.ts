@@ -275,14 +275,21 @@ export class Painter {
         context.lineWidth = (3 * devicePixelRatio) / view.scale;
         context.lineCap = "round";
         const pixel = devicePixelRatio / view.scale;
-        for (const dashed of [false, true]) {
+        const lines = (all: Point[][], dashed: boolean) => {
             context.setLineDash(dashed ? [2 * pixel, 8 * pixel] : []);
             context.beginPath();
-            for (const { corners, open } of this.scene.walls) {
-                if (isOpen(open, time) === dashed) corners.forEach(([x, y], k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));
-            }
+            for (const line of all) line.forEach(([x, y], k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));
             context.stroke();
+        };
+        const { walls, grounds, links } = this.scene;
+        for (const dashed of [false, true]) {
+            lines(walls.filter(({ open }) => isOpen(open, time) === dashed).map(({ corners }) => corners as Point[]), dashed);
         }
+        context.globalAlpha = 0.4;
+        context.lineWidth = pixel;
+        lines(grounds as Point[][], false);
+        lines(links as Point[][], true);
+        context.globalAlpha = 1;
         context.setLineDash([]);
     }
 

@@ -66,9 +66,13 @@ export class Frames {
                 this.#curves[name] = longer;
             }
         }
-        let [speed, squeeze, greatest, contacts, there] = [0, 0, 0, 0, 0];
+        let [speed, squeeze, greatest, contacts, there, outside] = [0, 0, 0, 0, 0, 0];
         for (let at = start; at < start + this.length; at += COLUMNS) {
-            if (Number.isNaN(block[at]!)) continue;
+            if (Number.isNaN(block[at]!)) {
+                // Who has not come yet has no velocity either.
+                if (Number.isNaN(block[at + 3]!)) outside += 1;
+                continue;
+            }
             there += 1;
             const [vx, vy, squeezed] = [block[at + 3]!, block[at + 4]!, block[at + SQUEEZE]!];
             speed += Math.sqrt(vx * vx + vy * vy);
@@ -82,7 +86,7 @@ export class Frames {
         this.#curves.squeeze[k] = squeeze / people;
         this.#curves.greatest[k] = greatest;
         this.#curves.contacts[k] = contacts / people;
-        this.#curves.left[k] = this.agents - there;
+        this.#curves.left[k] = this.agents - there - outside;
     }
 
     /** A curve of those who have not left: mean speed, mean and greatest squeeze, mean number of contacts of a person; and how

@@ -72,6 +72,9 @@ export type GapFound = { kind: string, door: Door, outside: boolean, said: Messa
 /** The cells of a map [m]. */
 export type Grid = { low: [number, number], cell: [number, number], columns: number, rows: number, };
 
+/** A slope or stairs. */
+export type GroundForm = { corners: Array<Pair>, downhill: number, angle: number | null, held: number | null, riser: number | null, tread: number | null, speed_down: number | null, speed_up: number | null, };
+
 /** A kind of people, with somebody of it as an example. */
 export type KindShown = { kind: string, disks: Array<[number, number, number]>, things: Array<string | null>, seated: Array<[number, number, number]> | null, sources: Array<string>, };
 
@@ -86,6 +89,9 @@ export type Limit = { above: AboveLimit | null, };
 
 /** Frames more about a limit. */
 export type LimitRequest = { number: number, people: number, step: number, limit: number, over: number, from: number, };
+
+/** Two lines that are one. */
+export type LinkForm = { here: [Pair, Pair], there: [Pair, Pair], };
 
 /** Both moduli [N/m] of a material. */
 export type Material2d = { id: string, young_modulus: number, shear_modulus: number, };
@@ -179,10 +185,10 @@ export type RoomRequest = { room: Room, edit: RoomEdit | null, near: [number, nu
 export type Rotational = { time_gap: number, standstill_gap: number, reaction_time: number, speed_noise: number, acceleration: number, };
 
 /** A scenario. Without `box`, `geometry` and `room`, people stand in the open. */
-export type Scenario = { box: Pair | null, geometry: string | null, drawing: DrawingForm, room: Room | null, doors: Array<Array<number>>, regions: Array<RegionForm>, number: number | null, density: number | null, seed: number | null, people: People, men: number | null, pedestrians: number | null, mix: Record<string, number | "rest">, packing: Method, orientation: OrientationName | null, direction: number | null, allow_overlap: boolean, material: string | null, friction: number | null, round: boolean, time_step: number | null, panel_length: number | null, speed: number | null, leave: boolean, pushes: Array<Push>, decision: DecisionConfig, };
+export type Scenario = { box: Pair | null, geometry: string | null, drawing: DrawingForm, room: Room | null, doors: Array<Array<number>>, regions: Array<RegionForm>, grounds: Array<GroundForm>, links: Array<LinkForm>, sources: Array<SourceForm>, number: number | null, density: number | null, seed: number | null, people: People, men: number | null, pedestrians: number | null, mix: Record<string, number | "rest">, packing: Method, orientation: OrientationName | null, direction: number | null, allow_overlap: boolean, material: string | null, friction: number | null, round: boolean, time_step: number | null, panel_length: number | null, speed: number | null, leave: boolean, pushes: Array<Push>, decision: DecisionConfig, };
 
 /** A scene. */
-export type Scene = { run: number, name: string, agents: Array<AgentShown>, kinds: { [key in string]: Array<string> }, walls: Array<WallShown>, step: number, mechanical_step: number, stable: number | null, longest: number | null, advised: number | null, error: number | null, warnings: Array<Message>, materials: Array<Material2d>, contacts: Array<Contact<number>>, overlapping: Array<number>, overlap: number, pushed: Array<string>, walk: boolean, ways: Array<Array<Waypoint>>, targets: Array<Target>, leaving: number, beyond_doors: Array<[[number, number], [number, number]]>, people: Array<PersonDrawn | null> | null, };
+export type Scene = { run: number, name: string, agents: Array<AgentShown>, kinds: { [key in string]: Array<string> }, walls: Array<WallShown>, grounds: Array<Array<[number, number]>>, links: Array<Array<[number, number]>>, step: number, mechanical_step: number, stable: number | null, longest: number | null, advised: number | null, error: number | null, warnings: Array<Message>, materials: Array<Material2d>, contacts: Array<Contact<number>>, overlapping: Array<number>, overlap: number, pushed: Array<string>, walk: boolean, ways: Array<Array<Waypoint>>, targets: Array<Target>, leaving: number, beyond_doors: Array<[[number, number], [number, number]]>, people: Array<PersonDrawn | null> | null, };
 
 /** A section. */
 export type Section = { heading: Message, blocks: Array<Block>, };
@@ -196,6 +202,9 @@ export type Sex = "male" | "female";
 /** A scene that is to be run. */
 export type Shown = { base: Base, tables?: Array<[string, number]>, edits: Array<Edit>, fitting?: boolean, mechanics?: Mechanics, motion: Motion, };
 
+/** A line or an area on which people appear, one after the other. */
+export type SourceForm = { name: string | null, line: Array<Pair> | null, polygon: Array<Pair> | null, number: number | null, rate: number | null, every: number | null, times: Array<number> | null, start: number | null, mix: Record<string, number | "rest">, waypoints: Waypoint[] | null, exit: string | null, goal: string | null, };
+
 /** Statistics of one measure over some agents. */
 export type Summary = { measure: string, unit: string, mean: number, sd: number | null, min: number, max: number, };
 
@@ -203,7 +212,7 @@ export type Summary = { measure: string, unit: string, mean: number, sd: number 
 export type Surface = { vertices: number, triangles: number, };
 
 /** An exit or a goal. */
-export type Target = { name: string, stay: boolean, corners: Array<[number, number]>, open?: Array<[number, number]>, time_factor?: number, };
+export type Target = { name: string, stay: boolean, corners: Array<[number, number]>, open?: Array<[number, number]>, most?: number, time_factor?: number, };
 
 /** Content of a drawing. */
 export type Understood = { room: Room | null, exits: Array<ExitFound>, distributions: Array<Array<[number, number]>>, waypoints: number, area: number | null, said: Array<[string, string]>, layers: Array<string>, doubt: Message | null, proposal: Proposed | null, };

@@ -1,6 +1,7 @@
 //! The closed-form solution of a motion without contact: linear relaxation under a drive that is constant or changes
 //! linearly.
 
+use super::circle::Circle;
 use super::{Body, Pose, Scene, Twist, Wrench, rotation, vec2};
 
 /// The solution of `dv/dt = a − λ v`, `dr/dt = v` over a duration, for constant `a` and `λ ≥ 0`:
@@ -165,12 +166,23 @@ pub(super) trait Course: Copy + Send + Sync {
     /// The closed form of the motion under such a drive over a duration.
     type Flight: Send + Sync;
 
+    /// The same where the place does not matter.
+    type Plain: Course<Flight = Self::Flight>;
+
     /// Returns the flight of a body over a duration \[s\].
     fn flight(body: &Body, duration: f64) -> Self::Flight;
 
     /// Returns the flights over a duration \[s\]; that of a body is at the index [`Body::flyer`].
     fn flights(scene: &Scene, duration: f64) -> Vec<Self::Flight> {
         scene.flyers.iter().map(|body| Self::flight(&scene.bodies[body.index()], duration)).collect()
+    }
+
+    /// Returns the drive during a flight from a pose and a twist.
+    fn plain(self, flight: &Self::Flight, pose: Pose, twist: Twist) -> Self::Plain;
+
+    /// Returns whether it is the same in all of a circle.
+    fn is_even(self, _: &Circle) -> bool {
+        true
     }
 
     /// Returns pose and twist of a body at the end of a flight, without what wheels add ([`AcrossFlight`]).
@@ -189,9 +201,15 @@ pub(super) trait Course: Copy + Send + Sync {
 
 impl Course for Wrench {
     type Flight = BodyFlight;
+    type Plain = Wrench;
 
     fn flight(body: &Body, duration: f64) -> BodyFlight {
         BodyFlight::over(body, duration)
+    }
+
+    #[inline]
+    fn plain(self, _: &BodyFlight, _: Pose, _: Twist) -> Wrench {
+        self
     }
 
     #[inline]
@@ -215,6 +233,7 @@ impl Course for Wrench {
 
 impl Course for Ramp {
     type Flight = RampFlight;
+    type Plain = Ramp;
 
     fn flight(body: &Body, duration: f64) -> RampFlight {
         let held = BodyFlight::over(body, duration);
@@ -223,6 +242,11 @@ impl Course for Ramp {
             rotation_ramp_time: held.rotation.ramp_time(body.rotation_rate, duration),
             held,
         }
+    }
+
+    #[inline]
+    fn plain(self, _: &RampFlight, _: Pose, _: Twist) -> Ramp {
+        self
     }
 
     #[inline]

@@ -191,8 +191,11 @@ impl<D: Course> CommunicationStep<'_, D> {
             (self.scene, &self.movers, &self.flights[..], &self.across[..]);
         let predict = |k: usize, mut bodies: Bodies| {
             apply_impulses(scene, &mut bodies);
+            let plain = |mover: &Mover<D>, pose: Pose, twist: Twist| {
+                mover.drive.after(begun).plain(&flights[mover.flyer as usize], pose, twist)
+            };
             let fly = |mover: &Mover<D>, pose: Pose, twist: Twist| {
-                mover.drive.after(begun).fly(&flights[mover.flyer as usize], pose, twist)
+                plain(mover, pose, twist).fly(&flights[mover.flyer as usize], pose, twist)
             };
             let (without_wheels, with_wheels) = movers[k].list.split_at(movers[k].without_wheels);
             let moved = predict(without_wheels, &mut bodies, kick, half_kick, fly);
@@ -202,7 +205,8 @@ impl<D: Course> CommunicationStep<'_, D> {
             let roll = |mover: &Mover<D>, pose: Pose, twist: Twist| {
                 let (mut end, mut end_twist) = fly(mover, pose, twist);
                 if let Some(across) = &across[mover.flyer as usize] {
-                    across.add(mover.drive.after(begun).ramp(), pose, twist, &mut end, &mut end_twist);
+                    let drive = plain(mover, pose, twist).ramp();
+                    across.add(drive, pose, twist, &mut end, &mut end_twist);
                 }
                 (end, end_twist)
             };

@@ -4,12 +4,14 @@ use super::circle::Circle;
 use super::face::{Along, Continuation, Face, nearest_on_face};
 use super::face_grid::FaceGrid;
 use super::panels::Panels;
+use super::slope::Slopes;
 use super::{BodyId, CornerId, DiskId, FaceId, InPlane, LineId, Vec2, WallId, rotation};
 use lemons_core::plane::{shown_orientation, vec2};
-use lemons_core::trial::Wall;
+use lemons_core::trial::{Ground, Wall};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The properties of a body, for [`Scene::new`].
 #[derive(Debug, Clone, PartialEq)]
@@ -193,6 +195,7 @@ pub struct Scene {
     laws: LawTable,
     pub(super) face_grid: FaceGrid,
     pub(super) panels: Panels,
+    pub(super) slopes: Arc<Slopes>,
 }
 
 impl Scene {
@@ -211,6 +214,7 @@ impl Scene {
             laws,
             face_grid: FaceGrid::default(),
             panels: Panels::default(),
+            slopes: Arc::default(),
         };
         let mut flyers = HashMap::new();
         for spec in bodies {
@@ -230,6 +234,16 @@ impl Scene {
         });
         let panels = Panels::new(self.faces.len(), self.wall_faces.iter().zip(stretches));
         Scene { panels, ..self }
+    }
+
+    /// Adds slopes, which pull bodies downhill.
+    pub fn with_grounds(self, grounds: &[Ground]) -> Scene {
+        Scene { slopes: Arc::new(Slopes::new(grounds)), ..self }
+    }
+
+    /// \[m/s2\] Returns the acceleration downhill at a place, by what feet do not hold.
+    pub fn pull(&self, place: Vec2) -> Vec2 {
+        self.slopes.pull(place)
     }
 
     /// Returns the scene with only some of its walls. Faces keep their numbers. Those of a wall that is absent touch

@@ -62,11 +62,13 @@ impl Shortlist {
         let mut shortlist = Shortlist::swept(scene, state, drives, duration);
         let Shortlist { activity, swept, .. } = &mut shortlist;
         let largest = scene.bodies.iter().map(|body| body.bounding_radius).fold(0.0, f64::max);
-        activity.extend(swept.iter().zip(&scene.bodies).zip(present).map(|((circle, body), present)| {
+        let bodies = swept.iter().zip(&scene.bodies).zip(present).zip(drives);
+        activity.extend(bodies.map(|(((circle, body), present), drive)| {
             // A body whose path is not a number is not free. If the floor resists more across the gaze, there is no closed
             // form for one that turns.
             let short = circle.radius - body.bounding_radius <= LONGEST_HALF_PATH * largest
-                && body.across_rate.is_none();
+                && body.across_rate.is_none()
+                && drive.is_even(circle);
             match (present, shortlisting) {
                 (false, _) => Activity::Absent,
                 (true, Shortlisting::On) if short => Activity::Free,

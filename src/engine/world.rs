@@ -3,16 +3,17 @@
 use super::broad_phase::{CellGrid, Crowded, NearMargin, SKIN};
 use super::circle::Circle;
 use super::contacts::{SpringUpdate, Step};
-use super::face::nearest_on_face;
+use super::face::{Face, nearest_on_face};
 use super::free_flight::Course;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
+use super::slope::OnSlopes;
 use super::{
-    Body, BodyId, DiskId, Exposure, Exposures, FaceExposure, InPlane, Scene, Shortlisting, State, Threads,
-    ThreadsError, Vec2, WallId, Work, Wrench,
+    Body, BodyId, DiskId, Exposure, Exposures, FaceExposure, InPlane, Pose, Scene, Shortlisting, State,
+    Threads, ThreadsError, Twist, Vec2, WallId, Work, Wrench, rotation,
 };
-use lemons_core::plane::body_meets;
+use lemons_core::plane::{Motion, body_meets};
 use thiserror::Error;
 
 /// Largest number of mechanical steps that is counted.
@@ -119,6 +120,21 @@ impl World {
     /// # Errors
     /// More pairs are near each other than the limit of memory allows.
     pub fn new(scene: Scene, state: State, mechanical_step: f64) -> Result<World, Crowded> {
+        let present = vec![true; scene.bodies.len()];
+        World::of_present(scene, state, mechanical_step, present)
+    }
+
+    /// Makes the same, in which some bodies are not there.
+    ///
+    /// # Errors
+    /// Those of [`World::new`].
+    pub fn of_present(
+        scene: Scene,
+        state: State,
+        mechanical_step: f64,
+        present: Vec<bool>,
+    ) -> Result<World, Crowded> {
+        assert_eq!(present.len(), scene.bodies.len(), "one for each body");
         assert_eq!(state.poses.len(), scene.bodies.len(), "one pose for each body");
         assert_eq!(state.twists.len(), scene.bodies.len(), "one twist for each body");
         let mut world = World {
@@ -128,7 +144,7 @@ impl World {
             mechanical_step,
             shortlisting: Shortlisting::On,
             share_from: SHARE_FROM,
-            present: vec![true; scene.bodies.len()],
+            present,
             present_walls: vec![true; scene.wall_faces.len()],
             threads: Threads::default(),
             shared: 0,
@@ -169,6 +185,11 @@ impl World {
     /// it must be set before [`World::restore`].
     pub fn set_present(&mut self, body: BodyId, present: bool) {
         self.present[body.index()] = present;
+    }
+
+    /// A body that comes has this motion from the next step on. Contacts are those of the step before.
+    pub fn set_twist(&mut self, body: BodyId, twist: Twist) {
+        self.state.twists[body.index()] = twist;
     }
 
     /// Of each wall, whether it is there.
@@ -215,6 +236,54 @@ impl World {
         !scene.bodies.iter().enumerate().any(is_in)
     }
 
+    /// Returns whether a body at a pose would touch nobody who is there, and no wall.
+    pub fn has_room(&self, body: BodyId, pose: Pose) -> bool {
+        let (scene, b) = (&self.scene, body.index());
+        let of = &scene.bodies[b];
+        let own = |d: usize| {
+            let disk = &scene.disks[d];
+            (pose.position + rotation(pose.orientation) * disk.offset, disk.radius)
+        };
+        let own: Vec<(Vec2, f64)> = of.disks.clone().map(own).collect();
+        let clear = |other: usize| {
+            let (at, reach) = (self.state.poses[other].position, scene.bodies[other].bounding_radius);
+            (at - pose.position).norm() >= reach + of.bounding_radius
+                || scene.bodies[other].disks.clone().all(|d| {
+                    let at = scene.centre(DiskId::from(d), &self.state.poses);
+                    own.iter().all(|(own, radius)| (at - own).norm() >= radius + scene.disks[d].radius)
+                })
+        };
+        let wall_is_clear = |face: &Face| !body_meets(&own, face.start, face.end);
+        let mut faces = (0..scene.wall_faces.len())
+            .filter(|&w| self.present_walls[w])
+            .flat_map(|w| &scene.faces[scene.wall_faces[w].clone()]);
+        (0..scene.bodies.len()).all(|other| other == b || !self.present[other] || clear(other))
+            && faces.all(wall_is_clear)
+    }
+
+    /// Puts bodies elsewhere, one after the other, if they have room there: people who change the floor. Their contacts
+    /// end; the [`World::exposures`] stay.
+    ///
+    /// # Errors
+    /// More pairs are near each other than the limit of memory allows. The world is then unchanged.
+    pub fn relocate(&mut self, moved: &[(BodyId, Motion)]) -> Result<(), Crowded> {
+        let before = self.state.clone();
+        for (body, Motion { pose, twist }) in moved {
+            if self.has_room(*body, *pose) {
+                let b = body.index();
+                (self.state.poses[b], self.state.twists[b]) = (*pose, *twist);
+            }
+        }
+        if self.state.poses == before.poses {
+            return Ok(());
+        }
+        let exposures = self.exposures.clone();
+        let state = std::mem::replace(&mut self.state, before);
+        self.restore(state)?;
+        self.exposures = exposures;
+        Ok(())
+    }
+
     /// Shares the work among this number of threads, of a pool that belongs to this world and its clones. The results
     /// are the same for any number, to the last bit.
     ///
@@ -259,7 +328,8 @@ impl World {
         let (contacts, drive) = (&self.contacts.bodies[b].wrench, &self.drive[b]);
         Wrench {
             force: (contacts.force + drive.force) * of.inverse_mass
-                + of.by_floor(pose.orientation, twist.velocity),
+                + of.by_floor(pose.orientation, twist.velocity)
+                + self.scene.pull(pose.position),
             torque: (contacts.torque + drive.torque) * of.inverse_inertia
                 - twist.angular_velocity * of.rotation_rate,
         }
@@ -373,7 +443,12 @@ impl World {
             return Err(AdvanceError::TooManySteps { duration, mechanical_step: self.mechanical_step });
         }
         let held = self.drive_rate.iter().all(|rate| *rate == Wrench::default());
-        let state = if held {
+        let slopes = self.scene.slopes.clone();
+        let state = if !slopes.is_empty() {
+            let drives = ramps(&self.scene, &self.drive, &self.drive_rate).into_iter();
+            let drives: Vec<OnSlopes> = drives.map(|drive| OnSlopes { drive, slopes: &slopes }).collect();
+            self.moved(&drives, duration, steps)?
+        } else if held {
             self.moved(&held_drives(&self.scene, &self.drive), duration, steps)?
         } else {
             self.moved(&ramps(&self.scene, &self.drive, &self.drive_rate), duration, steps)?

@@ -218,6 +218,7 @@ impl Model for CrowdModel {
             self.start.clone_from(&self.world);
             self.play(from);
             self.open_and_close(from)?;
+            self.let_come();
         }
         let Some(world) = &mut self.world else { return refuse("not initialized") };
         Ok(world.advance_on(point - so_far, so_far)?)
@@ -233,10 +234,16 @@ impl Model for CrowdModel {
         // The importer's time, which may differ from ours by rounding.
         self.play(from);
         self.open_and_close(from).map_err(StepError::Failed)?;
+        self.let_come();
         self.warn_of_returns(from);
         // Steps that are refused were refused before they changed anything.
         if let Err(error) = self.advance_world(length) {
             return Err(StepError::Failed(Refusal::new(Setup::of(&self.trial).name_body(&error))));
+        }
+        if let Some(world) = &mut self.world {
+            Setup::of(&self.trial)
+                .carry_over_links(world)
+                .map_err(|error| StepError::Failed(error.into()))?;
         }
         self.warn_of_coincidence();
         // A rate is used for one step.

@@ -5,9 +5,9 @@ use super::Setup;
 use super::within::{Inside, outside_rooms, within_pillars};
 use crate::engine::{Body, CornerId, Face, FaceId, Scene, Vec2};
 use lemons_core::message::{Message, Sentence, message};
-use lemons_core::plane::{Bounds, vec2};
+use lemons_core::plane::{Bounds, segments_touch, vec2};
 use lemons_core::rule::sentences::*;
-use lemons_core::trial::{Agent, BODY_MASS_INDEX, FileNames, Problem, Rule, Wall};
+use lemons_core::trial::{Agent, BODY_MASS_INDEX, FileNames, Link, Problem, Rule, Wall};
 use std::collections::HashSet;
 
 /// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
@@ -25,6 +25,8 @@ const OUTSIDE: f64 = 2.0;
 const FAR_AWAY: f64 = 1000.0;
 /// People outside of all walls who take this many times their length may have places in centimetres.
 const SPREAD: f64 = 10.0;
+/// \[m\] Distances within which no wall is behind a line of a link, and one is.
+const LINK_WALL: [f64; 2] = [0.3, 3.0];
 /// Number of directions in which walls are searched, and number of them in which a person in a room sees one: a room
 /// may have doors.
 const DIRECTIONS: u32 = 32;
@@ -43,6 +45,7 @@ impl Setup<'_> {
             (Rule::WallsSize, &places.geometry, self.doubts_of_walls(scene)),
             (Rule::WallsDoubled, &places.geometry, self.doubts_of_doubled_faces(scene)),
             (Rule::OpeningShort, &places.geometry, self.doubts_of_openings()),
+            (Rule::LinkSide, &places.geometry, self.doubts_of_links(scene)),
             (Rule::Outside, &places.dynamics, self.doubts_of_places(scene, &positions)),
             (Rule::InPillar, &places.dynamics, self.doubts_of_pillars(&positions)),
         ];
@@ -59,6 +62,27 @@ impl Setup<'_> {
         let (wall, [from, to]) = all.next()?;
         let others = in_all(1 + all.count(), WALLS_IN_ALL);
         Some(message!(OPENING_SHORT, wall = &wall.id, from, to, step, others))
+    }
+
+    /// People are carried over a link in the strip behind its line.
+    fn doubts_of_links(&self, scene: &Scene) -> Option<Message> {
+        let doubt = |link: &Link| {
+            link.passages().into_iter().zip(link.lines).find_map(|(passage, [from, to])| {
+                let [_, _, end, start] = passage.strip();
+                let (middle, out) = ((from + to) * 0.5, (start + end - from - to) * 0.5);
+                let is_wall_within = |far: f64| {
+                    let end = middle + out * (far / out.norm());
+                    scene.faces.iter().any(|face| segments_touch(middle, end, face.start, face.end))
+                };
+                let (link, x, y, to_x, to_y) = (&link.id, from.x, from.y, to.x, to.y);
+                let [least, most] = LINK_WALL;
+                if is_wall_within(least) {
+                    return Some(message!(LINK_BLOCKED, link, least, x, y, to_x, to_y));
+                }
+                (!is_wall_within(most)).then(|| message!(LINK_OPEN, link, most, x, y, to_x, to_y))
+            })
+        };
+        self.geometry.links.iter().find_map(doubt)
     }
 
     fn doubts_of_steps(&self, places: &FileNames) -> Option<Problem> {

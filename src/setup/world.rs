@@ -2,15 +2,15 @@
 
 use super::Setup;
 use crate::engine::{
-    AdvanceError, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Scene,
-    State, WallId, WallSpec, World, Wrench, elongation_vector,
+    AdvanceError, BodyId, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw,
+    Scene, State, WallId, WallSpec, World, Wrench, elongation_vector,
 };
 use lemons_core::message::{Message, message};
 use lemons_core::plane::{InPlane, Motion, Pose, Twist};
 use lemons_core::rule::sentences::*;
 use lemons_core::trial::{
-    Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, ShapeElement, Wall,
-    WallInteraction, pairs_that_touch, stiffness,
+    Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Link, LinkPassage, Material,
+    ShapeElement, Wall, WallInteraction, pairs_that_touch, stiffness,
 };
 use std::collections::{HashMap, HashSet};
 use thiserror::Error;
@@ -114,7 +114,7 @@ impl Setup<'_> {
             laws.set(pair.0, pair.1, law);
         }
         let longest: Vec<_> = self.geometry.walls.iter().map(|wall| wall.panel_length).collect();
-        Ok(Scene::new(&bodies, &walls, laws).with_panels(&longest))
+        Ok(Scene::new(&bodies, &walls, laws).with_panels(&longest).with_grounds(&self.geometry.grounds))
     }
 
     /// Returns the state in `AgentDynamics.xml`, with the springs of `AgentInteractions.xml`.
@@ -215,6 +215,27 @@ impl Setup<'_> {
         world.set_present_walls(&present).map_err(|crowded| self.too_crowded(crowded))
     }
 
+    /// Moves who has walked over a link to its other side, if there is room; else they wait. It is the end of a step: who
+    /// decides sees people where they are in the next one.
+    ///
+    /// # Errors
+    /// Too many agents are at one place.
+    pub fn carry_over_links(&self, world: &mut World) -> Result<(), WorldError> {
+        let passages: Vec<LinkPassage> = self.geometry.links.iter().flat_map(Link::passages).collect();
+        if passages.is_empty() {
+            return Ok(());
+        }
+        let over = |b: &usize| {
+            let pose = world.state().poses[*b];
+            let passage = passages.iter().find(|passage| passage.is_beyond(pose.position))?;
+            let twist = world.state().twists[*b];
+            Some((BodyId::from(*b), passage.carried(Motion { pose, twist })))
+        };
+        let there = (0..self.agents.len()).filter(|&b| world.present()[b]);
+        let moved: Vec<(BodyId, Motion)> = there.filter_map(|b| over(&b)).collect();
+        world.relocate(&moved).map_err(|crowded| self.too_crowded(crowded))
+    }
+
     /// Returns which walls are there at a time \[s\] if nothing is known of before: a closed one is not, if somebody is in it
     /// deeper than who leans on it.
     pub fn walls_at(&self, time: f64, world: &World) -> Vec<bool> {
@@ -224,14 +245,15 @@ impl Setup<'_> {
         self.geometry.walls.iter().enumerate().map(is_there).collect()
     }
 
-    /// Returns the engine's world at the start of this Trial, with the walls that are there at 0 s.
+    /// Returns the engine's world at the start of this Trial, with the people and walls that are there at 0 s.
     ///
     /// # Errors
     /// Materials that can touch have no usable contact, or too many agents are at one place.
     pub fn world(&self) -> Result<World, WorldError> {
         let scene = self.scene()?;
         let state = self.state(&scene);
-        let world = World::new(scene, state, self.parameters.time_step_mechanical);
+        let present = self.dynamics.iter().map(|own| !own.absent).collect();
+        let world = World::of_present(scene, state, self.parameters.time_step_mechanical, present);
         let mut world = world.map_err(|crowded| self.too_crowded(crowded))?;
         world.drive = self.drive();
         let present = self.walls_at(0.0, &world);

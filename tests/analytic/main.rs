@@ -4,5 +4,6 @@
 mod doors;
 mod ramp;
 mod shortlist;
+mod slopes;
 mod threads;
 mod walls;

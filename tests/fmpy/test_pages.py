@@ -49,6 +49,7 @@ NOT_RUN = {
     ("docs/validation.md", "python examples/validation.py"): "takes minutes; test_walking_models.py runs its quick cases",
     ("docs/standards.md", "python examples/standards/book.py"): "takes minutes; test_standards.py runs the quick scenes",
     ("docs/scenes.md", "python examples/scenes/scenes.py all"): "test_pictures.py draws them; the other commands of the page are run",
+    ("docs/scenes.md", "python examples/trains.py"): "takes half a minute; test_sources.py runs the first train",
     ("docs/walking.md", "python examples/door_width.py"): "takes minutes; test_pictures.py makes fewer rooms",
     ("docs/guide/squeeze.md", "cargo test --release -p lemons-people"): COMPILES,
     ("docs/guide/squeeze.md", "python examples/soft_chest.py"): "takes minutes; test_numbers.py makes fewer rooms",
@@ -96,6 +97,7 @@ FILES = {
         "lemons crowd --scenario hall.toml -o hall",
         {},
     ),
+    ("docs/slopes.md", "box = [12, 3]"): ("slopes.toml", "", "lemons crowd --scenario slopes.toml -o slopes", {}),
     ("docs/guide/first-half-hour.md", '<?xml version="1.0" encoding="UTF-8"?>'): ("Geometry.xml", "", "", {}),
     ("docs/guide/sweeps.md", 'trial = "resources/Trial_push"'): ("sweep.toml", "", "", {}),
     ("docs/guide/sweeps.md", 'trial = "room_{width}_{seed}"'): ("rooms.toml", "", "lemons sweep rooms.toml", {}),
@@ -112,6 +114,7 @@ FILES = {
         {},
     ),
     ("docs/walking.md", "exits = ["): ("times.toml", "", "lemons run two_doors --decision times.toml --until 0.1 -o times.csv", {}),
+    ("docs/walking.md", "box = [12, 6]"): ("arrive.toml", "", "lemons crowd --scenario arrive.toml -o arrive", {}),
     ("docs/walking.md", "[queue]"): (
         "queue.toml",
         "",
@@ -142,6 +145,7 @@ FILES = {
 OTHERS = {
     ("docs/guide/rust.md", "[dependencies]"): "of another project",
     ("docs/guide/rust.md", "Agents.xml, Geometry.xml, …                          agent[3].Fp.x      agent[3].Position.x"): "a drawing",
+    ("docs/scenes.md", "until  came by   got out  left by       got in by door     still"): "of examples/trains.py; test_sources.py makes a part of it",
     ("docs/step.md", "error ≈ 5 m × (step / T)²         step = T × √(accuracy / 5 m)"): "an equation",
     ("docs/install.md", "platforms linux64"): "of a release; packaging/check.sh makes it",
     ("docs/command.md", ""): "generated from the help: a test of crates/cli gives its examples to the command",

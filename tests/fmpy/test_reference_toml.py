@@ -25,6 +25,7 @@ OTHER = {
     "list of lists": ["5", '"0"', "[0]", '["0", "1"]', "[[0, 1]]", '[["0"]]', '[["0", "0"]]', '[["0", "99"]]'],
     "list of pairs": ["5", "[]", "[5, 6]", "[[5]]", "[[6, 5]]", "[[1, 3], [2, 4]]", "[[-1, 2]]"],
     "list of numbers": ["5", "[]", '["x"]', "[-1]", "[0]"],
+    "list of times": ["5", "[]", '["x"]', "[-1]"],
     "table": ["5", '"x"'],
     "tables": ["5", '"x"'],
     "two numbers": ["5", '"x"', "[1.0]", "[1.0, -1.0]"],
@@ -120,6 +121,7 @@ class DecisionReader(Reader):
         "Groups": lambda file: file.setdefault("groups", {}),
         "queue": lambda file: file.setdefault("queue", {}),
         "An exit or a goal": lambda file: file["exits"][0],
+        "A source": lambda file: file["sources"][0],
         "[agents.ID]": lambda file: file["agents"]["0"],
     }
     # Tables of constants, by the keys that choose them.
@@ -138,6 +140,8 @@ class DecisionReader(Reader):
                 file[chooses] = table
         for exit in file["exits"] if (heading, key) == ("An exit or a goal", "share") else []:
             exit["share"] = 1
+        if heading == "A source":
+            file["sources"] = [{"people": ["1"], "rate": 1.0}, {"name": "back", "people": ["7"], "rate": 1.0}]
         if key == "push_time":
             file["queue"] = {"push": 100.0}
         if key == "push_sd":
@@ -238,6 +242,9 @@ class ScenarioReader(Reader):
     PLACES = {
         "The file": lambda file: file,
         "A region": lambda file: file["regions"][0],
+        "A ground": lambda file: file["grounds"][0],
+        "A link": lambda file: file["links"][0],
+        "A source": lambda file: file["sources"][0],
         "How a drawing is read": lambda file: file["drawing"],
         "A push": lambda file: file["pushes"][0],
     }
@@ -248,6 +255,17 @@ class ScenarioReader(Reader):
             # One of them takes the others.
             left, right = ([[a, 0], [b, 0], [b, 5], [a, 5]] for a, b in [(0, 3), (3, 5)])
             file["regions"] = [{"corners": left}, {"corners": right}]
+        if heading == "A ground":
+            fall = {"riser": 0.17, "tread": 0.29} if key in ("riser", "tread") else {"angle": 10.0}
+            file["grounds"] = [{"corners": [[0, 0], [3, 0], [3, 5]], "downhill": 90.0, **fall}]
+        if heading == "A link":
+            file["links"] = [{"here": [[3, 0], [3, 2]], "there": [[9, 2], [9, 0]]}]
+        if heading == "A source":
+            source = {"line": [[1.0, 1.0], [1.0, 4.0]], "number": 2, "rate": 1.0}
+            file["sources"] = [source, source | {"name": "back"}]
+            file["decision"] = {"goals": [{"name": "stage", "line": [[3, 3], [4, 3]]}]}
+            if key == "times":
+                del source["number"]
         if heading == "A push":
             file["pushes"] = [dict(self.PUSH)]
         if key in ("box", "geometry", "room"):
@@ -263,7 +281,7 @@ class ScenarioReader(Reader):
 
 READERS = {DECISION: DecisionReader, SWEEP: SweepReader, SCENARIO: ScenarioReader}
 # Of these two, one must be there, and the other must not.
-EITHER = [("number", "density"), ("line", "polygon"), ("trial", "fmu"), ("parameters", "table"), ("at_least", "at_most")]
+EITHER = [("number", "density"), ("rate", "every"), ("rate", "times"), ("every", "times"), ("number", "times"), ("line", "polygon"), ("trial", "fmu"), ("parameters", "table"), ("at_least", "at_most"), ("angle", "riser"), ("angle", "tread")]
 NOT_BOTH = [*EITHER, ("exit", "goal"), ("trial", "population"), ("fmu", "population"), ("trial", "scenario"), ("box", "geometry"), ("box", "room")]
 
 

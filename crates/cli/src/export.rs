@@ -285,7 +285,9 @@ impl Arguments {
                  the table of the run"
             );
         }
-        let trial = trial_at_end(run, before)?;
+        let mut before = before.clone();
+        plan.iter().for_each(|plan| plan.mark_absent(&mut before));
+        let trial = trial_at_end(run, &before)?;
         if trial.agents.is_empty() {
             bail!("{source}: nobody is there at its end, t = {end:.3} s: no Trial can go on from it");
         }
@@ -293,7 +295,7 @@ impl Arguments {
             config.without_others(&trial.agents).map_or(Ok(text), |fewer| fewer.to_toml())
         };
         let later = |(config, text): (DecisionConfig, String)| {
-            let later = plan.as_ref().map(|plan| plan.going_on(&config, end));
+            let later = plan.as_ref().map(|plan| plan.going_on(&config, end, &trial));
             // Else the text of the file is kept.
             let changed = later.filter(|later| *later != config);
             changed.map_or(Ok((config, text)), |later| later.to_toml().map(|text| (later, text)))

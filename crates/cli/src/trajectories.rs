@@ -121,7 +121,7 @@ impl ReadingArguments {
         let Some(path) = &self.geometry else {
             let all = record.trajectories().map_or(&[][..], |trajectories| &trajectories.geometry);
             let source = record.source().display();
-            let Some(wkt) = all.first() else { return Ok(Geometry { dimensions: None, walls: Vec::new() }) };
+            let Some(wkt) = all.first() else { return Ok(Geometry::default()) };
             if all.len() > 1 {
                 note!("{source}: its geometry changes: the first of {} is taken (--geometry)", all.len());
             }

@@ -190,6 +190,10 @@ rules! {
     OpeningShort "opening-short" Warning: "Geometry.xml", "a wall is open for less than a TimeStep: it may never be open", "open it for longer, or shorten TimeStep", [
         OPENING_SHORT "wall" "wall {wall:?}: Open from {from:?} to {to:?} s is shorter than the TimeStep of {step:?} s{others}: it may never be open",
     ];
+    LinkSide "link-side" Warning: "Geometry.xml", "behind a line of a link there is not the strip of 0.5 m that people need", "the ground is to the left of each line, with 0.5 m behind it, and a wall behind that", [
+        LINK_BLOCKED "wall" "link {link:?}: a wall is nearer than {least} m behind its line from {x:?},{y:?} to {to_x:?},{to_y:?}: nobody gets over it",
+        LINK_OPEN "open" "link {link:?}: no wall is within {most} m behind its line from {x:?},{y:?} to {to_x:?},{to_y:?}: is the ground to its left?",
+    ];
     Outside "people-outside" Warning: "AgentDynamics.xml", "people stand outside of walls within which the others are, or far away", "move them, if it is not meant", [
         AWAY "far" "{who} {away:.0} m away from the others: is its Position in metres?",
         NOBODY_BETWEEN "nobody" "nobody is between the walls, and people span {width:.3} m × {height:.3} m: are their Positions in metres?",
@@ -265,6 +269,10 @@ rules! {
         USED_UNEVENLY "exits" "exits are used unevenly: the last person left by {exit:?} at {time:.1} s, {before} (exit_choice in decision.toml)",
         NOBODY_BY "nobody" "nobody by {exit:?}",
         BY "by" "by {exit:?} at {time:.1} s",
+    ];
+    NoRoom "source-waits" Warning: "the end of a run", "people of a source waited outside: there was no room for them where they appear", "a larger line or area of the source, or fewer people per time", [
+        WAITED "people" "source {source:?}: {count} people found no room when they were due, and waited outside, for up to {longest:.1} s{still}",
+        STILL_OUTSIDE "still" "; at the end, {count} wait there",
     ];
 }
 

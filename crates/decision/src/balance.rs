@@ -40,6 +40,8 @@ pub struct OwnMotion {
     pub stature: f64,
     /// \[m/s²\] Force with which the person leans on who is in front, over the mass.
     pub lean: Vec2,
+    /// Whether legs can step to keep the balance: not on stairs.
+    pub steps: bool,
 }
 
 /// Legs of a person, during the simulation and in a saved state.

@@ -19,13 +19,14 @@ use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
 use crate::queue::QueueConfig;
 use crate::rule::{Motivation, Waypoint};
+use crate::source::SourceConfig;
 use crate::spread::Spread;
 use crate::walking_model::{WalkingModel, WalkingModelName, with_models};
 use lemons_core::files::words;
 use lemons_core::trial::{Agent, OpeningTimes, Trial};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// Name of the settings in a Trial directory.
 pub const DECISION_FILE: &str = "decision.toml";
@@ -88,6 +89,9 @@ macro_rules! decision_config {
             pub exits: Option<Vec<TargetConfig>>,
             /// Where people stay.
             pub goals: Option<Vec<TargetConfig>>,
+            /// Who comes later.
+            #[serde(default, skip_serializing_if = "Vec::is_empty")]
+            pub sources: Vec<SourceConfig>,
             /// Changes during a run.
             #[serde(default, skip_serializing_if = "Vec::is_empty")]
             pub motivation: Vec<Motivation>,
@@ -181,6 +185,8 @@ pub struct TargetConfig {
     pub share: Option<f64>,
     /// When people can leave by it; `None`: always.
     pub open: Option<OpeningTimes>,
+    /// So many leave by it, each time that it opens; for others it is closed then.
+    pub most: Option<u32>,
     /// Factor of the expected time.
     pub time_factor: Option<f64>,
 }
@@ -220,8 +226,10 @@ impl DecisionConfig {
     /// Returns the same without settings of those who are not among these people; `None` if there are none of others.
     pub fn without_others(&self, people: &[Agent]) -> Option<DecisionConfig> {
         let mut fewer = self.clone();
-        let is_there = |id: &String| people.iter().any(|person| person.id == *id);
+        let ids: HashSet<&str> = people.iter().map(|person| &*person.id).collect();
+        let is_there = |id: &String| ids.contains(&**id);
         fewer.agents.retain(|id, _| is_there(id));
+        fewer.sources.iter_mut().for_each(|source| source.people.retain(is_there));
         if let Some(groups) = fewer.groups.as_mut().and_then(|groups| groups.members.as_mut()) {
             groups.iter_mut().for_each(|group| group.retain(is_there));
             groups.retain(|group| group.len() > 1);

@@ -9,6 +9,7 @@ use crate::stuck::{StuckAction, StuckState, normal, share};
 use crate::target::{Arrival, Destination, Ways};
 use crate::walking_model::{DesiredMotion, Walking};
 use lemons_core::plane::{Motion, Pose, Vec2, vec2};
+use lemons_core::trial::{Ground, Link};
 use lemons_fmi::{Answer, refuse};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -21,6 +22,7 @@ mod groups;
 mod lean;
 mod legs;
 pub mod quantities;
+mod sources;
 
 use aims::Aim;
 pub use fmi::SavedDecision;
@@ -35,6 +37,8 @@ const LEAST_TURN: f64 = 1e-3;
 const NOISE_TIME: f64 = 4.3;
 /// \[m/s\] Who never wants to be faster than this sways in proportion to the desired speed, and its noise is so, too.
 const UNHURRIED: f64 = 0.5;
+/// \[m\] Who is further away than this after a step was carried over a link.
+const JUMP: f64 = 1.0;
 /// \[1/s\] Lowest frequency of swaying, and by how much it may be higher.
 const SWAYING: [f64; 2] = [0.7, 0.4];
 
@@ -47,6 +51,8 @@ pub struct AgentState {
     walker: Walker,
     /// Index of the next way-point. It is updated by steps: a way-point that was reached stays reached.
     next: usize,
+    /// Whether it has come: it is of no source, or its source has let it in.
+    came: bool,
     /// Whether the agent has left by an exit, at the last step or before.
     left: bool,
     /// \[s\] How long it has waited at the next way-point.
@@ -84,12 +90,14 @@ impl AgentState {
 
     fn motion(&self) -> OwnMotion {
         let Walker { floor_damping: damping, stature, .. } = self.walker;
-        OwnMotion { at: self.at(), velocity: self.velocity, damping, stature, lean: Vec2::zeros() }
+        let (at, velocity) = (self.at(), self.velocity);
+        OwnMotion { at, velocity, damping, stature, lean: Vec2::zeros(), steps: true }
     }
 
-    /// \[m\] Where the agent came from.
-    fn from(&self) -> Vec2 {
-        self.last.unwrap_or(self.at())
+    /// \[m\] Where the agent came from; `links`: who is far from there was carried over a link.
+    fn from(&self, links: &[Link]) -> Vec2 {
+        let walked = |last: &Vec2| links.is_empty() || (self.at() - last).norm() < JUMP;
+        self.last.filter(walked).unwrap_or(self.at())
     }
 }
 
@@ -103,7 +111,7 @@ fn is_due(at: f64, before: f64, now: f64) -> bool {
 pub struct Act {
     /// Its force and torque.
     pub drive: Propulsion,
-    /// Whether it is there: it has not left by an exit.
+    /// Whether it is there: it has come, and has not left by an exit.
     pub active: bool,
 }
 
@@ -128,6 +136,8 @@ pub struct Decision {
     wanted: Option<Vec<DesiredMotion>>,
     /// Arrivals and directions of all agents at their present poses, if they were computed.
     aims: Option<Vec<Aim>>,
+    /// How many have left by each target since it opened last.
+    passed: Vec<usize>,
     /// Legs of all agents at their present poses, if they were computed; `None` inside for who has left.
     legs: Option<Vec<Option<Legs>>>,
     /// How people lean on those in front at their present poses, if it was computed.
@@ -142,6 +152,7 @@ impl Decision {
             velocity: Vec2::zeros(),
             walker: agent.walker.clone(),
             next: 0,
+            came: true,
             left: false,
             waited: 0.0,
             last: None,
@@ -157,7 +168,9 @@ impl Decision {
         let fingerprint = plan.fingerprint;
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
         let most_waypoints = most.unwrap_or(0).max(1);
-        let agents = agents.collect();
+        let mut agents: Vec<AgentState> = agents.collect();
+        let late = plan.sources.iter().flat_map(|source| &source.people);
+        late.for_each(|(i, _)| agents[*i].came = false);
         let mut groups = vec![None; plan.agents.len()];
         for (group, members) in plan.groups.iter().enumerate() {
             members.iter().for_each(|&i| groups[i] = Some(group));
@@ -168,6 +181,7 @@ impl Decision {
         Decision {
             agents,
             time: 0.0,
+            passed: vec![0; plan.targets.len()],
             plan,
             fingerprint,
             most_waypoints,
@@ -204,8 +218,7 @@ impl Decision {
         self.find_aims();
         let mut acts = Vec::with_capacity(self.agents.len());
         for i in 0..self.agents.len() {
-            let active = self.arrival(i) != Some(Arrival::Leaves);
-            acts.push(Act { drive: self.drive(i)?, active });
+            acts.push(Act { drive: self.drive(i)?, active: !self.is_away(i) });
         }
         Ok(acts)
     }
@@ -220,17 +233,20 @@ impl Decision {
         let (seed, speed_noise) = (self.plan.seed, self.plan.walking_model.speed_noise());
         let (turned, kept) = (-libm::expm1(-step / STEERING_TIME), libm::exp(-step / NOISE_TIME));
         self.pass_legs(step);
-        let mut goes_on = false;
+        let (mut goes_on, mut gone) = (false, Vec::new());
         for i in 0..self.agents.len() {
             let arrival = self.arrival(i);
             let leaves = arrival == Some(Arrival::Leaves);
+            if leaves && !self.agents[i].left {
+                gone.extend(self.reached(i));
+            }
             // Who is at a goal is not stuck there.
             let goes = self.goes(i).filter(|_| arrival.is_none());
             let sees = self.plan.walking_model.sees_others();
             let wanted = if sees { self.wanted(i) } else { DesiredMotion::default() };
             let queues = wanted.queues;
             let agent = &mut self.agents[i];
-            let (next, way, at) = (agent.next(), agent.at() - agent.from(), agent.at());
+            let (next, way, at) = (agent.next(), agent.at() - agent.from(&self.plan.links), agent.at());
             // The paper's rule does not see it; and who queues is not stuck.
             if agent.next == agent.walker.waypoints.len() || sees {
                 let moved = agent.last.is_some();
@@ -252,15 +268,22 @@ impl Decision {
             }
             let waits = agent.waits();
             let waited = if next == agent.next { agent.waited } else { 0.0 };
-            (agent.next, agent.left, agent.last) = (next, leaves, Some(at));
+            (agent.next, agent.left, agent.last) = (next, leaves, agent.came.then_some(at));
             agent.waited = if waits { waited + step } else { waited };
             goes_on |= waits && !agent.waits();
         }
         (self.aims, self.leans) = (None, None);
+        gone.into_iter().for_each(|by| self.passed[by] += 1);
+        goes_on |= self.let_in(step);
         self.choose_exits(step);
         let before = self.time;
         self.time += step;
         self.motivate_since(before);
+        for (passed, exit) in self.passed.iter_mut().zip(&self.plan.targets) {
+            if exit.is_open(self.time) && !exit.is_open(before) {
+                *passed = 0;
+            }
+        }
         goes_on |= self.plan.opens_or_closes(before, self.time);
         if goes_on || self.agents.iter().any(|agent| is_due(agent.walker.start, before, self.time)) {
             (self.wanted, self.aims) = (None, None);
@@ -281,9 +304,12 @@ impl Decision {
     /// Those of [`Decision::acts`].
     pub fn arrived(&mut self) -> Answer<usize> {
         self.find_ways()?;
-        let arrived = |i: &usize| match self.plan.agents[*i].destination {
-            Destination::None => self.agents[*i].next() == self.agents[*i].walker.waypoints.len(),
-            _ => self.arrival(*i).is_some(),
+        let arrived = |i: &usize| {
+            self.agents[*i].came
+                && match self.plan.agents[*i].destination {
+                    Destination::None => self.agents[*i].next() == self.agents[*i].walker.waypoints.len(),
+                    _ => self.arrival(*i).is_some(),
+                }
         };
         Ok((0..self.agents.len()).filter(arrived).count())
     }
@@ -321,7 +347,16 @@ impl Decision {
                 let agent = &self.agents[i];
                 drive.force = (balance.drive(&legs, &self.leaning(i)) * agent.walker.mass).into();
                 drive.torque = if balance.lies(&legs) { 0.0 } else { drive.torque };
+                if balance.lies(&legs) {
+                    return Ok(drive);
+                }
             }
+        }
+        if let Some(ground) = self.plan.ground_at(self.agents[i].at()) {
+            // Feet hold what pulls downhill, but for who leans.
+            let held = 1.0 - lean.map_or(0.0, |lean| lean.part);
+            let held = ground.pull() * (held * self.agents[i].walker.mass);
+            drive.force = (Vec2::from(drive.force) - held).into();
         }
         Ok(drive)
     }
@@ -334,15 +369,16 @@ impl Decision {
         let alone = !self.plan.walking_model.sees_others() && self.group(i).is_none();
         if walks && agent.next() < agent.walker.waypoints.len() && alone {
             let mut drive = agent.walker.drive(agent.next(), agent.pose);
-            // In front of a closed door.
-            if let (false, Some((_, speed))) = (self.plan.doors.is_empty(), self.goes(i)) {
+            // In front of a closed door, and on slopes.
+            let level = self.plan.doors.is_empty() && self.plan.grounds.is_empty();
+            if let (false, Some((_, speed))) = (level, self.goes(i)) {
                 let whole = agent.walker.desired_speed;
-                let share = if speed < whole { speed / whole } else { 1.0 };
+                let share = if speed != whole { speed / whole } else { 1.0 };
                 drive.force = drive.force.map(|force| share * force);
             }
             return Ok(drive);
         }
-        if !self.plan.groups.is_empty() {
+        if !self.plan.groups.is_empty() || self.plan.counts() {
             self.find_aims();
         }
         let DesiredMotion { velocity, force, facing, .. } = self.intent(i);
@@ -350,9 +386,9 @@ impl Decision {
         Ok(walker.towards(*pose, velocity, force, facing))
     }
 
-    /// An agent as others see it; `None` if it has left.
+    /// An agent as others see it; `None` if it is away.
     fn walking(&self, i: usize) -> Option<Walking<'_>> {
-        if self.arrival(i) == Some(Arrival::Leaves) {
+        if self.is_away(i) {
             return None;
         }
         let agent = &self.agents[i];
@@ -410,6 +446,10 @@ impl Decision {
         };
         let stuck = &self.agents[i].stuck;
         if let Some((direction, speed)) = self.goes(i) {
+            if self.plan.ground_at(self.agents[i].at()).is_some_and(Ground::is_stairs) {
+                // Feet need the steps ahead: nobody evades or sways.
+                wanted.velocity = direction * wanted.velocity.dot(&direction);
+            }
             match stuck.action(direction, speed) {
                 StuckAction::Walk => {}
                 StuckAction::Step(velocity) => {

@@ -57,12 +57,18 @@ pub enum PlanError {
         "{place}: open = {value}: must not be shorter than the time step of {step} s: it may never be open"
     )]
     ShortOpen { place: String, value: String, step: String },
-    #[error("{place}: open: only exits have it: nobody leaves by a goal")]
-    OpenGoal { place: String },
+    #[error("{place}: {key}: only exits have it: nobody leaves by a goal")]
+    OpenGoal { place: String, key: &'static str },
     #[error("ways: give `ways` or `waypoints` for everybody, one of the two")]
     WaysAndWaypoints,
     #[error("ways: give a `share` for each or for none")]
     SomeWayShares,
+    #[error("{place}: give `rate`, `every` or `times`, one of the three; `start` is not for `times`")]
+    WhenOfSource { place: String },
+    #[error("{place}: people: {id:?}: {problem}")]
+    OfSource { place: String, id: String, problem: &'static str },
+    #[error("{place}: the name {name:?} is that of another source")]
+    SameSource { place: String, name: String },
     #[error("groups: members[{group}]: {id:?}: {problem}")]
     Member { group: usize, id: String, problem: &'static str },
     #[error("groups: members[{group}] has {count} members; a group has 2 to {MOST_MEMBERS}")]

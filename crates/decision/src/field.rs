@@ -8,7 +8,10 @@
 //! Only sums, products and roots are used, so the result is the same bits on every machine.
 
 use crate::error::PlanError;
-use lemons_core::plane::{Bounds, InPlane, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
+use lemons_core::plane::{
+    Bounds, InPlane, Motion, Pose, Ring, Vec2, nearest_on_segment, segments_touch, vec2,
+};
+use lemons_core::trial::LinkPassage;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
@@ -56,6 +59,8 @@ pub struct Grid {
     /// Price of each node: how many metres a metre counts; infinite where nobody can be.
     price: Vec<f64>,
     faces: Vec<[Vec2; 2]>,
+    /// Of nodes to which people are carried over a link: the nodes from where.
+    carried: HashMap<usize, Vec<usize>>,
     /// Faces in or near the square to the upper right of a node.
     beside: HashMap<usize, Vec<u32>>,
 }
@@ -121,6 +126,7 @@ impl Grid {
             links: vec![LEFT | RIGHT | BELOW | ABOVE; nodes],
             price: vec![f64::INFINITY; nodes],
             faces,
+            carried: HashMap::new(),
             beside: HashMap::new(),
         };
         for row in 0..rows {
@@ -141,6 +147,25 @@ impl Grid {
             *price = if *price < NEAREST { f64::INFINITY } else { dear };
         }
         Ok(grid)
+    }
+
+    /// Joins the nodes in the strips behind lines to those where people are carried from there.
+    pub fn with_passages(mut self, passages: impl Iterator<Item = LinkPassage>) -> Grid {
+        for passage in passages {
+            let strip = Bounds::of(passage.strip()).expect("four points");
+            for node in self.nodes_in(strip) {
+                let at = self.place(node);
+                let there = passage.carried(Motion { pose: Pose::new(at.x, at.y, 0.0), ..Motion::default() });
+                let (column, row) = self.square(there.pose.position + vec2(0.5, 0.5) * self.step);
+                let inside =
+                    (0.0..self.columns as f64).contains(&column) && (0.0..self.rows as f64).contains(&row);
+                if passage.is_beyond(at) && self.price[node].is_finite() && inside {
+                    let to = row as usize * self.columns + column as usize;
+                    self.carried.entry(to).or_default().push(node);
+                }
+            }
+        }
+        self
     }
 
     /// Checks that so many fields can be kept in memory.
@@ -287,6 +312,14 @@ impl Grid {
         while let Some(Reverse((_, node))) = front.pop() {
             if std::mem::replace(&mut done[node], true) {
                 continue;
+            }
+            for &from in self.carried.get(&node).into_iter().flatten() {
+                // Rounded to nodes, it is never nearer than where people are carried.
+                let distance = field[node] + self.step;
+                if !done[from] && distance < field[from] {
+                    field[from] = distance;
+                    front.push(Reverse((distance.to_bits(), from)));
+                }
             }
             for next in self.neighbours(node).into_iter().flatten() {
                 if done[next] {

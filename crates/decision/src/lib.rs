@@ -41,6 +41,7 @@ pub mod pack;
 pub mod plan;
 pub mod queue;
 pub mod rule;
+pub mod source;
 pub mod spread;
 pub mod stuck;
 pub mod target;

@@ -11,15 +11,17 @@ use crate::error::{PlanError, moderate};
 use crate::exit_choice::ExitChoice;
 use crate::queue::QueueConfig;
 use crate::rule::{Motivation, UNLIMITED, Walker, Waypoint, usual_stature};
+use crate::source::{Source, reach, sources};
 use crate::stuck::normal;
 use crate::target::{Destination, Target, Ways};
 use crate::walking_model::WalkingModel;
 use destinations::{destinations, targets_of, ways};
 use lemons_core::files::input;
 use lemons_core::plane::{Pose, Vec2, vec2};
-use lemons_core::trial::{Trial, Wall};
+use lemons_core::trial::{Ground, Link, Trial, Wall};
 use lemons_fmi::fingerprint;
 pub use normalized::normalized;
+use std::collections::HashSet;
 use std::fmt::Display;
 use std::path::Path;
 
@@ -55,7 +57,7 @@ impl Planned {
 
     /// \[m\] Returns how far the body reaches from its centre of mass.
     pub fn radius(&self) -> f64 {
-        self.disks.iter().map(|&[x, y, radius]| vec2(x, y).norm() + radius).fold(0.0, f64::max)
+        reach(&self.disks)
     }
 
     /// \[m\] Returns the depth of the body along the gaze.
@@ -79,6 +81,10 @@ pub struct Plan {
     pub walls: Vec<Vec<Vec2>>,
     /// Walls that open.
     pub doors: Vec<Wall>,
+    /// Slopes and stairs.
+    pub grounds: Vec<Ground>,
+    /// Lines that are one.
+    pub links: Vec<Link>,
     /// Groups that stay together: places of their members in `agents`.
     pub groups: Vec<Vec<usize>>,
     /// Model of how people walk among others.
@@ -91,6 +97,8 @@ pub struct Plan {
     pub exit_choice: ExitChoice,
     /// Changes of everybody's motivation during the run.
     pub motivation: Vec<Motivation>,
+    /// Who comes later.
+    pub sources: Vec<Source>,
     /// Exits and goals.
     pub targets: Vec<Target>,
     /// People in the order of Agents.xml; at least one.
@@ -144,7 +152,11 @@ impl Plan {
         let doors: Vec<Wall> =
             trial.geometry.walls.iter().filter(|wall| wall.open.is_some()).cloned().collect();
         let queue = config.queue.filter(|queue| !queue.is_idle());
-        let bodies = walking_model.sees_others() || !doors.is_empty() || queue.is_some();
+        let sources = sources(trial, &config.sources, seed)?;
+        let late: HashSet<usize> =
+            sources.iter().flat_map(|source| source.people.iter().map(|(i, _)| *i)).collect();
+        let bodies =
+            walking_model.sees_others() || !doors.is_empty() || queue.is_some() || !sources.is_empty();
         let push = |i: usize| {
             let drawn = |deviation: f64| deviation * normal(seed, i as u64, PUSH_DRAW);
             let push = config.push.unwrap_or(UNLIMITED);
@@ -176,9 +188,10 @@ impl Plan {
                     desired_speed: own.desired_speed.unwrap_or_else(|| {
                         config.desired_speed.map_or(DEFAULT_SPEED, |speed| speed.of(seed, i, SPEED_DRAW))
                     }),
-                    start: own
-                        .start
-                        .unwrap_or_else(|| config.start.map_or(0.0, |start| start.of(seed, i, START_DRAW))),
+                    start: own.start.unwrap_or_else(|| {
+                        let start = config.start.filter(|_| !late.contains(&i));
+                        start.map_or(0.0, |start| start.of(seed, i, START_DRAW))
+                    }),
                     time_gap: own.time_gap.unwrap_or(walking_model.time_gap()),
                     standstill_gap: own.standstill_gap.unwrap_or(walking_model.standstill_gap()),
                     reaction_time: own.reaction_time.unwrap_or(walking_model.reaction_time()),
@@ -201,12 +214,15 @@ impl Plan {
             seed,
             walls,
             doors,
+            grounds: trial.geometry.grounds.clone(),
+            links: trial.geometry.links.clone(),
             groups,
             walking_model,
             balance,
             queue: queue.map(|queue| (queue, config.pendulum.unwrap_or_default())),
             exit_choice,
             motivation,
+            sources,
             targets,
             agents,
         };
@@ -232,9 +248,19 @@ impl Plan {
 
     /// Returns settings for who goes on from a time \[s\] of a run, with a clock that begins anew: exits open and close as
     /// much earlier, people start so, too, and motivation changes so. Groups are those of the plan, and motivation that has
-    /// changed stays so.
-    pub fn going_on(&self, config: &DecisionConfig, time: f64) -> DecisionConfig {
+    /// changed stays so. Of a source, those come who are not there in the Trial of then.
+    pub fn going_on(&self, config: &DecisionConfig, time: f64, trial: &Trial) -> DecisionConfig {
         let mut later = config.clone();
+        let people = trial.agents.iter().zip(&trial.dynamics);
+        let outside: HashSet<&str> =
+            people.filter(|(_, own)| own.absent).map(|(person, _)| &*person.id).collect();
+        for (source, plan) in later.sources.iter_mut().zip(&self.sources) {
+            source.people.retain(|id| outside.contains(&**id));
+            let left = plan.times.len() - source.people.len();
+            source.times = Some(plan.times[left..].iter().map(|due| (due - time).max(0.0)).collect());
+            (source.rate, source.every, source.start) = (None, None, None);
+        }
+        later.sources.retain(|source| !source.people.is_empty());
         for open in later.exits.iter_mut().flatten().filter_map(|exit| exit.open.as_mut()) {
             *open = open.since(time, self.time_step);
         }
@@ -271,6 +297,11 @@ impl Plan {
         later
     }
 
+    /// Returns the slope or the stairs at a place \[m\].
+    pub(crate) fn ground_at(&self, place: Vec2) -> Option<&Ground> {
+        self.grounds.iter().find(|ground| ground.area.contains(place))
+    }
+
     /// Returns whether somebody chooses an exit by more than where it is: by the expected time, by what is open, or with
     /// others.
     pub(crate) fn chooses(&self) -> bool {
@@ -283,13 +314,24 @@ impl Plan {
         let exits = self.targets.iter().filter(|target| !target.stay).count();
         !self.groups.is_empty()
             || exits > 1 && !self.doors.is_empty()
-            || self.targets.iter().any(|target| target.open.is_some())
+            || self.targets.iter().any(|target| target.open.is_some() || target.most.is_some())
+    }
+
+    /// Returns whether an exit closes after some people.
+    pub(crate) fn counts(&self) -> bool {
+        self.targets.iter().any(|target| target.most.is_some())
     }
 
     /// Returns whether an exit or a door opens or closes between two times \[s\].
     pub(crate) fn opens_or_closes(&self, before: f64, now: f64) -> bool {
         self.targets.iter().any(|exit| exit.is_open(before) != exit.is_open(now))
             || self.doors.iter().any(|door| door.is_open(before) != door.is_open(now))
+    }
+
+    /// Says in a Trial who comes later, also where it does not.
+    pub fn mark_absent(&self, trial: &mut Trial) {
+        let late = self.sources.iter().flat_map(|source| &source.people);
+        late.for_each(|(i, _)| trial.dynamics[*i].absent = true);
     }
 
     /// Returns whether they leave in the end, of everybody.
@@ -299,7 +341,10 @@ impl Plan {
             Destination::NearestExit => true,
             Destination::Target(k) => self.targets.get(k).is_some_and(|target| !target.stay),
         };
-        self.agents.iter().map(leaves).collect()
+        let mut all: Vec<bool> = self.agents.iter().map(leaves).collect();
+        let never = self.sources.iter().filter(|source| source.times.is_empty());
+        never.flat_map(|source| &source.people).for_each(|(i, _)| all[*i] = false);
+        all
     }
 
     /// Returns the different ways of way-points, at most so many.
@@ -329,12 +374,12 @@ impl Plan {
             std::iter::once(own).chain(further).map(|at| (at, agent.destination))
         });
         if !self.chooses() {
-            return Ways::new(&self.walls, &self.targets, places).map(Some);
+            return Ways::new(&self.walls, &self.links, &self.targets, places).map(Some);
         }
         let exits = self.targets.iter().enumerate().filter(|(_, target)| !target.stay);
         let choices =
             exits.map(|(k, exit)| (vec2(exit.corners[0][0], exit.corners[0][1]), Destination::Target(k)));
-        let ways = Ways::new(&self.walls, &self.targets, places.chain(choices))?;
+        let ways = Ways::new(&self.walls, &self.links, &self.targets, places.chain(choices))?;
         let ways = if self.exit_choice == ExitChoice::Time { ways.with_widths()? } else { ways };
         let doors: Vec<Vec<[Vec2; 2]>> = self.doors.iter().map(|door| door.sides().collect()).collect();
         Ok(Some(if doors.is_empty() { ways } else { ways.with_doors(doors)? }))

@@ -71,7 +71,7 @@ pub fn draw(seed: u64, person: u64, count: u64) -> u64 {
 }
 
 /// Returns a random number in \[0, 1).
-pub(crate) fn share(seed: u64, person: u64, count: u64) -> f64 {
+pub fn share(seed: u64, person: u64, count: u64) -> f64 {
     (draw(seed, person, count) >> 11) as f64 / (1u64 << 53) as f64
 }
 

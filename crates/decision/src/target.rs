@@ -4,7 +4,7 @@ use crate::error::{EXIT, GOAL, PlanError};
 use crate::field::{Doors, Field, Gates, Grid, LAST};
 use lemons_core::message::{Message, message};
 use lemons_core::plane::{InPlane, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
-use lemons_core::trial::OpeningTimes;
+use lemons_core::trial::{Link, OpeningTimes};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
@@ -42,6 +42,10 @@ pub struct Target {
     #[cfg_attr(feature = "typescript", ts(as = "Option<Vec<[f64; 2]>>", optional))]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub open: Option<OpeningTimes>,
+    /// So many leave by it, each time that it opens; for others it is closed then.
+    #[cfg_attr(feature = "typescript", ts(optional))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub most: Option<u32>,
     /// Factor of the expected time by it, for those who choose an exit by time.
     #[serde(default = "unchanged", skip_serializing_if = "is_unchanged")]
     pub time_factor: f64,
@@ -209,12 +213,15 @@ impl Ways {
     /// The area is too large.
     pub fn new(
         walls: &[Vec<Vec2>],
+        links: &[Link],
         targets: &[Target],
         people: impl Iterator<Item = (Vec2, Destination)> + Clone,
     ) -> Result<Ways, PlanError> {
         let shapes: Vec<Shape> = targets.iter().map(Shape::of).collect();
         let places = targets.iter().flat_map(Target::points).chain(people.clone().map(|(at, _)| at));
-        let grid = Grid::new(walls, places)?;
+        let ends = links.iter().flat_map(|link| link.lines.as_flattened()).copied();
+        let grid = Grid::new(walls, places.chain(ends))?;
+        let grid = grid.with_passages(links.iter().flat_map(Link::passages));
         let field = |wanted: &[usize]| {
             let (lines, areas) = lines_and_areas(wanted.iter().map(|k| &shapes[*k]));
             grid.field(&lines, &areas)
@@ -314,8 +321,8 @@ impl Ways {
         self.field(to).map_or(f64::INFINITY, |field| self.grid.distance(field, at))
     }
 
-    /// Returns whether somebody who walked from one place to another has arrived; if it is an exit that is `open`, to leave.
-    /// Somebody has arrived, too, who gets no nearer to an area with a `body` of this radius \[m\], because of a wall behind its rim.
+    /// Returns at which target somebody has arrived who walked from one place to another; if it is an exit, at one that is
+    /// `open`. Somebody has arrived, too, who gets no nearer to an area with a `body` of this radius \[m\], because of a wall behind its rim.
     pub fn arrived(
         &self,
         to: Destination,
@@ -323,7 +330,7 @@ impl Ways {
         at: Vec2,
         body: impl Fn() -> f64,
         open: impl Fn(usize) -> bool,
-    ) -> Option<Arrival> {
+    ) -> Option<usize> {
         let holds = |k: &usize| {
             let (shape, stay) = (&self.shapes[*k], self.stay[*k]);
             let is_near = || match shape {
@@ -332,8 +339,7 @@ impl Ways {
             };
             open(*k) && (shape.holds(from, at, stay) || is_near())
         };
-        let target = self.targets(to).find(holds)?;
-        Some(if self.stay[target] { Arrival::Stays } else { Arrival::Leaves })
+        self.targets(to).find(holds)
     }
 
     /// Returns whether a wall keeps a body from a place that it touches: one that it reaches behind the place, and none
@@ -413,12 +419,13 @@ mod tests {
     #[test]
     fn who_stands_beside_a_slanted_exit_has_not_left() {
         let corners = vec![[0.0, 0.0], [4.0, 4.0]];
-        let exit = Target { name: "exit".into(), stay: false, corners, open: None, time_factor: 1.0 };
+        let exit =
+            Target { name: "exit".into(), stay: false, corners, open: None, most: None, time_factor: 1.0 };
         let (beside, on) = (vec2(3.0, 1.0), vec2(2.0, 2.0));
         let people = [beside, on].map(|at| (at, Destination::NearestExit));
-        let ways = Ways::new(&[], &[exit], people.into_iter()).unwrap();
+        let ways = Ways::new(&[], &[], &[exit], people.into_iter()).unwrap();
         let arrived = |at| ways.arrived(Destination::NearestExit, at, at, || 0.2, |_| true);
-        assert_eq!((arrived(beside), arrived(on)), (None, Some(Arrival::Leaves)));
+        assert_eq!((arrived(beside), arrived(on)), (None, Some(0)));
     }
 
     /// The outside: by hand. Bodies keep 0.2 m to 0.3 m from the wall at x = 10 m.
@@ -427,9 +434,10 @@ mod tests {
         let wall = vec![vec2(10.0, 0.0), vec2(10.0, 8.0)];
         let left = |depth: f64, body: f64, at: Vec2| {
             let corners = vec![[10.0 - depth, 2.0], [10.0, 2.0], [10.0, 6.0], [10.0 - depth, 6.0]];
-            let exit = Target { name: "a".into(), stay: false, corners, open: None, time_factor: 1.0 };
+            let exit =
+                Target { name: "a".into(), stay: false, corners, open: None, most: None, time_factor: 1.0 };
             let people = std::iter::once((at, Destination::NearestExit));
-            let ways = Ways::new(std::slice::from_ref(&wall), &[exit], people).unwrap();
+            let ways = Ways::new(std::slice::from_ref(&wall), &[], &[exit], people).unwrap();
             ways.arrived(Destination::NearestExit, at, at, || body, |_| true).is_some()
         };
         for depth in [0.06, 0.15, 0.25] {
@@ -448,9 +456,10 @@ mod tests {
     fn an_area_is_reached_early_only_where_a_wall_stops_who_goes_to_it() {
         let left = |walls: &[Vec<Vec2>], doors: &[[Vec2; 2]], [x, y, right, top]: [f64; 4], at: Vec2| {
             let corners = vec![[x, y], [right, y], [right, top], [x, top]];
-            let exit = Target { name: "a".into(), stay: false, corners, open: None, time_factor: 1.0 };
+            let exit =
+                Target { name: "a".into(), stay: false, corners, open: None, most: None, time_factor: 1.0 };
             let people = std::iter::once((at, Destination::NearestExit));
-            let mut ways = Ways::new(walls, &[exit], people).unwrap();
+            let mut ways = Ways::new(walls, &[], &[exit], people).unwrap();
             ways.doors = ways.grid.doors(vec![doors.to_vec()]);
             ways.arrived(Destination::NearestExit, at, at, || 0.8, |_| true).is_some()
         };

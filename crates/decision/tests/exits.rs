@@ -446,10 +446,17 @@ fn a_door_on_the_line_of_an_exit_is_on_the_way() {
         // Between the posts, and along the wall.
         for (behind, low, high) in [(0.0, 0.0, 1.2), (0.0, -3.0, 8.0), (0.02, -3.0, 8.0), (0.06, -3.0, 8.0)] {
             let corners = [put(10.0 + behind, low), put(10.0 + behind, high)].map(Into::into).to_vec();
-            let exit = Target { name: String::new(), stay: false, corners, open: None, time_factor: 1.0 };
+            let exit = Target {
+                name: String::new(),
+                stay: false,
+                corners,
+                open: None,
+                most: None,
+                time_factor: 1.0,
+            };
             let [before, other] = [put(7.0, 0.6), put(7.0, 4.6)];
             let people = [before, other, put(0.0, 0.0)].map(|at| (at, Destination::Target(0)));
-            let ways = Ways::new(&walls, &[exit], people.into_iter()).unwrap();
+            let ways = Ways::new(&walls, &[], &[exit], people.into_iter()).unwrap();
             let ways = ways.with_doors(vec![vec![[put(10.0, 0.0), put(10.0, 1.2)]]]).unwrap();
             for (at, count) in [(before, 1), (put(9.9, 0.5), 1), (other, usize::from(high == 1.2))] {
                 let doors: Vec<(usize, f64)> = ways.doors_to(0, at).collect();
@@ -467,10 +474,11 @@ fn a_door_that_somebody_has_passed_is_not_ahead() {
         let turn = lemons_core::plane::rotation(0.08 * f64::from(k));
         let put = |x: f64, y: f64| turn * vec2(x + 0.013 * f64::from(k), y);
         let corners = [put(11.0, 0.0), put(11.0, 1.2)].map(Into::into).to_vec();
-        let exit = Target { name: String::new(), stay: false, corners, open: None, time_factor: 1.0 };
+        let exit =
+            Target { name: String::new(), stay: false, corners, open: None, most: None, time_factor: 1.0 };
         let walls = [vec![put(10.0, -3.0), put(10.0, 0.0)], vec![put(10.0, 1.2), put(10.0, 4.0)]];
         let people = [(put(7.0, 0.6), Destination::Target(0))];
-        let ways = Ways::new(&walls, &[exit], people.into_iter()).unwrap();
+        let ways = Ways::new(&walls, &[], &[exit], people.into_iter()).unwrap();
         let ways = ways.with_doors(vec![vec![[put(10.0, 0.0), put(10.0, 1.2)]]]).unwrap();
         let count = |x: f64| ways.doors_to(0, put(x, 0.6)).count();
         assert_eq!((count(9.97), count(10.03)), (1, 0), "{k}");

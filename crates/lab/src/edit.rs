@@ -201,7 +201,14 @@ fn put(
     let taken = trial.agents.iter().any(|agent| agent.id == id);
     require(!odd && !taken, || format!("the Id {id:?} is no short text, or there already"))?;
     trial.agents.push(Agent { id: id.into(), ..agent });
-    trial.dynamics.push(AgentDynamics { position, theta, velocity: Vec2::zeros(), omega: 0.0, ..drive });
+    trial.dynamics.push(AgentDynamics {
+        position,
+        theta,
+        velocity: Vec2::zeros(),
+        omega: 0.0,
+        absent: false,
+        ..drive
+    });
     if let Some((people, person)) = loaded.people.as_mut().zip(person) {
         people.push(person);
     }

@@ -8,15 +8,18 @@ use lemons_core::trial::{Interactions, Trial};
 use lemons_people::placing::TOLERANCE;
 use lemons_results::Frame;
 use lemons_results::columns::Effect;
-use lemons_results::measure::{CountingLine, Way};
+use lemons_results::measure::{CountingLine, Way, is_walked};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
 /// Numbers of an agent in a frame: x, y \[m\], orientation \[rad\], velocity along x and y \[m/s\], angular velocity
 /// \[rad/s\], mean squeeze of the last communication step \[N\], number of contacts, the part of the squeeze by walls
 /// \[N\], x and y of the middle of the feet \[m\], 1 for who wants to get on and else 0. The place of who has left is not
-/// a number, nor are feet where people have no legs.
+/// a number, nor are place and velocity of who has not come yet, nor feet where people have no legs.
 pub const COLUMNS: usize = 12;
+
+/// \[s\] Frames of a page are not further apart.
+const LONGEST_STEP: f64 = 0.5;
 
 /// Returns a frame as bytes: [`COLUMNS`] doubles for each agent, little-endian. `going`: who wants to get on.
 pub fn bytes(frame: &Frame, going: &[bool]) -> Vec<u8> {
@@ -24,6 +27,7 @@ pub fn bytes(frame: &Frame, going: &[bool]) -> Vec<u8> {
         const NOWHERE: Vec2 = vec2(f64::NAN, f64::NAN);
         let Motion { pose, twist: Twist { velocity, angular_velocity } } = frame.agents[agent];
         let at = if frame.is_there(agent) { pose.position } else { NOWHERE };
+        let velocity = if frame.is_outside(agent) { NOWHERE } else { velocity };
         let effect = |effect| frame.effects.get(effect, agent).unwrap_or_default();
         let contacts = effect(Effect::AgentContacts) + effect(Effect::WallContacts);
         let feet = frame.legs.as_ref().map_or(NOWHERE, |legs| legs[agent].feet);
@@ -133,7 +137,9 @@ pub fn flow(people: usize, line: [[f64; 2]; 2], bytes: &[u8]) -> Result<Reply, R
     let mut crossings = Vec::new();
     for (k, pair) in frames.windows(2).enumerate() {
         for (agent, (before, after)) in pair[0].agents.iter().zip(&pair[1].agents).enumerate() {
-            if let Some(crossing) = line.crossing(before.pose.position, after.pose.position) {
+            let [before, after] = [before, after].map(|motion| motion.pose.position);
+            let crossing = line.crossing(before, after).filter(|_| is_walked(before, after, LONGEST_STEP));
+            if let Some(crossing) = crossing {
                 crossings.push((k + 1, agent, if crossing.way == Way::Right { 1 } else { -1 }));
             }
         }

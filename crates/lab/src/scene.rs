@@ -6,6 +6,7 @@ use crate::mechanics::{Contact, Material2d};
 use crate::run::LabRun;
 use crowd_mechanics::setup::Setup;
 use lemons_core::message::Message;
+use lemons_core::plane::Vec2;
 use lemons_core::trial;
 use lemons_decision::rule::Waypoint;
 use lemons_decision::target::Target;
@@ -24,6 +25,10 @@ pub(crate) struct Scene {
     /// Things that go along with people of each kind.
     kinds: BTreeMap<String, Vec<String>>,
     walls: Vec<WallShown>,
+    /// Lines with which slopes and stairs are drawn.
+    grounds: Vec<Vec<[f64; 2]>>,
+    /// Lines of links.
+    links: Vec<Vec<[f64; 2]>>,
     step: f64,
     mechanical_step: f64,
     /// The longest stable mechanical step; `None` if nothing can touch.
@@ -118,9 +123,10 @@ pub(crate) fn of(run: &LabRun) -> Scene {
             seated: kinds::seated(agent, made),
         }
     };
+    let corners = |line: &[Vec2]| line.iter().copied().map(Into::into).collect();
     let wall = |wall: &trial::Wall| WallShown {
         id: wall.id.clone(),
-        corners: wall.corners.iter().copied().map(Into::into).collect(),
+        corners: corners(&wall.corners),
         open: wall.open.clone(),
     };
     let person = |agent: &lemons_people::CrowdMember| {
@@ -159,6 +165,14 @@ pub(crate) fn of(run: &LabRun) -> Scene {
         agents: trial.agents.iter().enumerate().map(agent).collect(),
         kinds: kinds::parts(trial),
         walls: trial.geometry.walls.iter().map(wall).collect(),
+        grounds: trial
+            .geometry
+            .grounds
+            .iter()
+            .flat_map(trial::Ground::lines)
+            .map(|line| corners(&line))
+            .collect(),
+        links: trial.geometry.links.iter().flat_map(|link| link.lines).map(|line| corners(&line)).collect(),
         step: trial.parameters.time_step,
         mechanical_step: trial.parameters.time_step_mechanical,
         stable: steps.map(|steps| steps.stable()),

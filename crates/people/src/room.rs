@@ -386,6 +386,7 @@ mod tests {
         let geometry = Geometry {
             dimensions: Some(vec2(5.0, 4.0)),
             walls: vec![wall("a", open.clone()), wall("0", closed.clone())],
+            ..Geometry::default()
         };
         let further = |id: &str, corners| RoomWall { corners, of: Some(id.into()) };
         let walls = vec![further("a", open), further("0", closed)];

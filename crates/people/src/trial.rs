@@ -46,7 +46,7 @@ impl Default for TrialSettings {
 pub fn walls(rings: &[Ring], material: &str) -> Geometry {
     let wall = |(id, ring): (usize, &Ring)| Wall::new(id.to_string(), material, ring.closed().to_vec());
     let dimensions = rings.first().map(|ring| ring.bounds().size());
-    Geometry { dimensions, walls: rings.iter().enumerate().map(wall).collect() }
+    Geometry { dimensions, walls: rings.iter().enumerate().map(wall).collect(), ..Geometry::default() }
 }
 
 /// The unit vector in a direction, in degrees counter-clockwise from the x axis; exact along the axes.

@@ -43,7 +43,7 @@ const PASSAGE: Vec2 = vec2(6.2, 2.7);
 fn trial(people: &[(Pose, Vec2)], floor: f64) -> Trial {
     let crowd: Vec<(CrowdMember, Pose)> =
         people.iter().map(|(pose, _)| (CrowdMember::Pedestrian(PERSON), *pose)).collect();
-    let open = Geometry { dimensions: None, walls: Vec::new() };
+    let open = Geometry::default();
     let mut trial = crowd_trial("physics", &crowd, open, &TrialSettings::default()).unwrap();
     for agent in &mut trial.agents {
         (agent.floor_damping, agent.angular_damping) = (floor, floor);
@@ -128,7 +128,11 @@ fn passage() -> Trial {
         let corners = vec![vec2(0.0, y), vec2(PASSAGE.x, y)];
         Wall::new(y.to_string(), "concrete", corners)
     };
-    trial.geometry = Geometry { dimensions: Some(PASSAGE), walls: vec![wall(0.0), wall(PASSAGE.y)] };
+    trial.geometry = Geometry {
+        dimensions: Some(PASSAGE),
+        walls: vec![wall(0.0), wall(PASSAGE.y)],
+        ..Geometry::default()
+    };
     trial
 }
 

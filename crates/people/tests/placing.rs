@@ -433,7 +433,7 @@ fn walls_of_a_trial_bound_a_region() {
     };
     let pillar = wall("pillar", &[(1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0), (1.0, 1.0)]);
     let room = wall("room", &[(0.0, 0.0), (6.0, 0.0), (6.0, 5.0), (0.0, 5.0), (0.0, 0.0)]);
-    let of = |walls: Vec<Wall>| Region::from_walls(&Geometry { dimensions: None, walls });
+    let of = |walls: Vec<Wall>| Region::from_walls(&Geometry { walls, ..Geometry::default() });
     let region = of(vec![pillar.clone(), room.clone()]).unwrap();
     assert_eq!((region.area(), region.rings().len()), (29.0, 2));
     assert!(!region.contains(vec2(1.5, 1.5)) && region.contains(vec2(3.0, 3.0)));

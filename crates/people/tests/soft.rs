@@ -19,7 +19,7 @@ fn world(material: &str, people: &[(f64, f64, f64)]) -> World {
     let pose = |&(x, _, orientation): &(f64, f64, f64)| Pose { position: vec2(x, 0.0), orientation };
     let crowd: Vec<_> = people.iter().map(|person| (CrowdMember::Pedestrian(PERSON), pose(person))).collect();
     let settings = TrialSettings { people: material.into(), ..TrialSettings::default() };
-    let open = Geometry { dimensions: None, walls: Vec::new() };
+    let open = Geometry::default();
     let mut trial = crowd_trial("soft", &crowd, open, &settings).unwrap();
     for (agent, (dynamics, person)) in trial.agents.iter_mut().zip(trial.dynamics.iter_mut().zip(people)) {
         (agent.floor_damping, agent.angular_damping) = (0.0, 0.0);

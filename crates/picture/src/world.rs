@@ -11,9 +11,12 @@ use crate::scene::{DrawnForce, MarkKind, PictureScene, PlaceMark, Trail};
 use crate::style::Style;
 use crate::text::{PX, escaped, text_of};
 use lemons_core::plane::{Pose, Vec2, rotation, vec2};
+use lemons_core::trial::Geometry;
 
 /// \[px\] Width of walls.
 const WALL_STROKE: f64 = 2.4;
+/// \[px\] Width of contour lines.
+const GROUND_STROKE: f64 = 1.0;
 /// \[px\] Width of a panel with a load.
 const PANEL_STROKE: f64 = 9.0;
 /// \[px\] Dashes of a wall that is open, and the gaps between their round ends.
@@ -115,6 +118,7 @@ pub(crate) fn world(
         density(out, map, frame, scale);
     }
     let mut world = World { out: &mut *out, palette, scene, style, frame, colouring: &colouring, px };
+    world.grounds();
     world.walls();
     world.loads();
     world.marks();
@@ -170,6 +174,37 @@ impl<'a> World<'a> {
     /// \[m\] Returns the width of the outlines of bodies with these areas \[m²\].
     fn outline(&self, areas: impl Iterator<Item = f64> + Clone) -> String {
         text_of((BODY_STROKE * self.px).min(BODY_STROKE_PART * mean(areas).max(0.0).sqrt()), 6)
+    }
+
+    /// Draws the contour lines of slopes and stairs, each with an arrow downhill, and links as dashed lines.
+    fn grounds(&mut self) {
+        let Geometry { grounds, links, .. } = &self.scene.trial.geometry;
+        if grounds.is_empty() && links.is_empty() {
+            return;
+        }
+        let width = text_of(GROUND_STROKE * self.px, 6);
+        let dashes = OPEN_DASHES.map(|length| text_of(length * self.px, 6)).join(" ");
+        let colour = self.palette.ink;
+        let look = format!(
+            "class=\"grounds\" fill=\"none\" stroke=\"{colour}\" stroke-opacity=\".35\" stroke-width=\"{width}\""
+        );
+        self.group(&look, |world| {
+            let draw = |out: &mut String, more: &str, lines: &[Vec<Vec2>], title: String| {
+                let mut d = String::new();
+                let drawable = lines.iter().filter(|line| line.iter().all(|end| near(*end)));
+                drawable.for_each(|line| polyline(&mut d, line));
+                *out += &format!("<path{more} d=\"{d}\"><title>{}</title></path>\n", escaped(&title));
+            };
+            for ground in grounds {
+                let what = if ground.is_stairs() { "stairs" } else { "slope" };
+                draw(world.out, "", &ground.lines(), format!("{what} {}", ground.id));
+            }
+            let more = format!(" stroke-dasharray=\"{dashes}\"");
+            for link in links {
+                let lines = link.lines.map(|line| line.to_vec());
+                draw(world.out, &more, &lines, format!("link {}", link.id));
+            }
+        });
     }
 
     fn walls(&mut self) {

@@ -204,7 +204,7 @@ quantities! {
         "peak_overlap", PeakOverlap, Size("m"), OfStep, Max, "deepest overlap of a contact since the row before";
         "mean_wall_force", MeanWallForce, Size("N"), Later, Mean, "mean squeeze by walls since the row before";
     }
-    "active", "Active", Flag, Active, (), "1 if the agent is there, 0 if it has left and touches nothing";
+    "active", "Active", Flag, Active, (), "1 if the agent is there, 0 if it has left, or has not come yet";
     "legs_x", "Legs.x", Real("m"), Legs, (feet.x), "x of the middle of the feet";
     "legs_y", "Legs.y", Real("m"), Legs, (feet.y), "y of the middle of the feet";
     "steps", "Steps", Count, Legs, (steps), "how many steps the agent took to keep the balance";

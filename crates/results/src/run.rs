@@ -3,7 +3,7 @@
 use crate::columns::Effect;
 use crate::error::RecordError;
 use lemons_core::plane::{Motion, Vec2};
-use lemons_core::trial::{Interactions, Trial};
+use lemons_core::trial::{AgentDynamics, Interactions, Trial};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -29,6 +29,8 @@ pub struct Frame {
     pub effects: Effects,
     /// Whether each agent is there; `None` if the source has no such column, and all are.
     pub active: Option<Vec<bool>>,
+    /// Whether each agent has not come yet; empty if nobody comes later. Not recorded: see [`Frame::with_outside`].
+    pub outside: Vec<bool>,
     /// Legs of each agent, in the order of the run's Ids; `None` if the source has no such columns.
     pub legs: Option<Vec<OfLegs>>,
     /// Contacts of the whole crowd; `None` if the source has no such columns.
@@ -126,6 +128,23 @@ impl Frame {
         self.active.as_ref().is_none_or(|active| active.get(place).copied().unwrap_or(true))
     }
 
+    /// Returns whether an agent has not come yet.
+    pub fn is_outside(&self, place: usize) -> bool {
+        self.outside.get(place).is_some_and(|outside| *outside)
+    }
+
+    /// Finds who of a Trial's agents has not come yet: who was not there at the start, and still is not, where it began.
+    #[must_use]
+    pub fn with_outside(mut self, trial: &Trial) -> Frame {
+        if trial.dynamics.len() == self.agents.len() && trial.dynamics.iter().any(|own| own.absent) {
+            let waits = |(place, own): (usize, &AgentDynamics)| {
+                own.absent && !self.is_there(place) && self.agents[place].pose.position == own.position
+            };
+            self.outside = trial.dynamics.iter().enumerate().map(waits).collect();
+        }
+        self
+    }
+
     /// Returns those who are there, with their places.
     pub fn present(&self) -> impl Iterator<Item = (usize, &Motion)> + Clone {
         self.agents.iter().enumerate().filter(|(place, _)| self.is_there(*place))
@@ -137,6 +156,7 @@ impl Frame {
             agents: sorted(&self.agents, order),
             effects: self.effects.sorted(order),
             active: self.active.map(|all| sorted(&all, order)),
+            outside: if self.outside.is_empty() { Vec::new() } else { sorted(&self.outside, order) },
             legs: self.legs.map(|all| sorted(&all, order)),
             ..self
         }

@@ -155,7 +155,7 @@ pub fn series(record: &Record, trial: &Trial, directory: &Path) -> Result<(), Re
 }
 
 /// The Trial that continues from the end of a run: with the poses, velocities and springs of the last frame, without
-/// those who have left. Its clock begins anew: walls open and close as much earlier. Runs do not record Fp and Mp; they stay
+/// those who have left; who has not come yet is not there either. Its clock begins anew: walls open and close as much earlier. Runs do not record Fp and Mp; they stay
 /// those of the Trial.
 ///
 /// # Errors
@@ -168,16 +168,19 @@ pub fn trial_at_end(record: &Record, trial: &Trial) -> Result<Trial, RecordError
     for open in trial.geometry.walls.iter_mut().filter_map(|wall| wall.open.as_mut()) {
         *open = open.since(last.time, step);
     }
-    let moved = |(motion, was): (_, &AgentDynamics)| {
+    let last = last.with_outside(&trial);
+    let moved = |(place, (motion, was)): (usize, (_, &AgentDynamics))| {
         let now = AgentDynamics::of(motion);
-        AgentDynamics { theta: within_a_turn(now.theta), fp: was.fp, mp: was.mp, ..now }
+        let now = AgentDynamics { theta: within_a_turn(now.theta), fp: was.fp, mp: was.mp, ..now };
+        if last.is_outside(place) { was.clone() } else { now }
     };
-    trial.dynamics = last.agents.iter().zip(&trial.dynamics).map(moved).collect();
+    trial.dynamics = last.agents.iter().zip(&trial.dynamics).enumerate().map(moved).collect();
     // A run in which people leave is a table, which has no springs: nothing names those who are taken out.
     let (mut agent, mut motion) = (0.., 0..);
-    trial.agents.retain(|_| agent.next().is_some_and(|place| last.is_there(place)));
-    trial.dynamics.retain(|_| motion.next().is_some_and(|place| last.is_there(place)));
-    trial.interactions = last.interactions.unwrap_or_default();
+    let stays = |place| last.is_there(place) || last.is_outside(place);
+    trial.agents.retain(|_| agent.next().is_some_and(stays));
+    trial.dynamics.retain(|_| motion.next().is_some_and(stays));
+    trial.interactions = last.interactions.clone().unwrap_or_default();
     Ok(trial)
 }
 

@@ -2,12 +2,16 @@
 
 use crate::error::{Result, impossible, require, within};
 use crate::range;
-use lemons_core::plane::Vec2;
-use lemons_core::trial::{FARTHEST, OpeningTimes};
+use lemons_core::plane::{Ring, Vec2};
+use lemons_core::trial::{FARTHEST, Ground, Incline, Link, OpeningTimes};
 use lemons_people::Door;
 use lemons_people::drawing::{DEVIATION, Enclosing, PlanSettings, Reading, WIDEST_DOOR};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+/// Share of the downhill force that feet hold: an assumption, which fits the two slopes of the Green Guide
+/// (docs/slopes.md).
+const USUALLY_HELD: f64 = 0.5;
 
 /// Two numbers. An array of TOML that is too long would be cut otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -108,6 +112,74 @@ impl RegionForm {
         let (number, density) = (self.number.map_or(1.0, f64::from), self.density.unwrap_or(1.0));
         within(format_args!("`regions`: region {k}: number"), number, range("number"))?;
         within(format_args!("`regions`: region {k}: density"), density, range("density"))
+    }
+}
+
+/// A slope or stairs.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+#[serde(deny_unknown_fields)]
+pub struct GroundForm {
+    /// \[m\] Corners.
+    pub corners: Vec<TwoNumbers>,
+    /// \[°\] Direction in which it falls.
+    pub downhill: f64,
+    /// \[°\] Angle of a slope.
+    pub angle: Option<f64>,
+    /// Share of the downhill force that feet hold; if it is not said, 0.5.
+    pub held: Option<f64>,
+    /// \[m\] Height of a step of stairs.
+    pub riser: Option<f64>,
+    /// \[m\] Depth of a step of stairs.
+    pub tread: Option<f64>,
+    /// Factor of the speed of who walks straight down.
+    pub speed_down: Option<f64>,
+    /// The same, up.
+    pub speed_up: Option<f64>,
+}
+
+impl GroundForm {
+    /// Returns the ground of a place in the list.
+    pub(crate) fn ground(&self, k: usize) -> Result<Ground> {
+        let wrong = |why: String| impossible(format!("`grounds`: ground {k}: {why}"));
+        let incline = match (self.angle, self.held, self.riser, self.tread) {
+            (Some(angle), held, None, None) => {
+                Incline::Slope { angle: angle.to_radians(), held: held.unwrap_or(USUALLY_HELD) }
+            }
+            (None, None, Some(riser), Some(tread)) => Incline::Stairs { riser, tread },
+            _ => return Err(wrong("give an angle, of a slope, or riser and tread, of stairs".into())),
+        };
+        let area = Ring::through(self.corners.iter().map(|corner| corner.0.into()).collect());
+        let ground = Ground {
+            id: k.to_string(),
+            area: area.ok_or_else(|| wrong("has no corners".into()))?,
+            downhill: self.downhill.to_radians(),
+            incline,
+            speeds: [self.speed_down, self.speed_up],
+        };
+        ground.check().map_err(wrong)?;
+        Ok(ground)
+    }
+}
+
+/// Two lines that are one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+#[serde(deny_unknown_fields)]
+pub struct LinkForm {
+    /// \[m\] Ends of a line; the ground is to its left.
+    pub here: [TwoNumbers; 2],
+    /// \[m\] Ends of the other line, the same way.
+    pub there: [TwoNumbers; 2],
+}
+
+impl LinkForm {
+    /// Returns the link of a place in the list.
+    pub(crate) fn link(&self, k: usize) -> Result<Link> {
+        let lines = [self.here, self.there].map(|line| line.map(|end| end.0.into()));
+        let link = Link { id: k.to_string(), lines };
+        link.check().map_err(|why| impossible(format!("`links`: link {k}: {why}")))?;
+        Ok(link)
     }
 }
 

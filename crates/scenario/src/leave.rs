@@ -14,9 +14,10 @@ impl Scenario {
     /// Returns whether somebody walks without `leave`.
     fn walks(&self) -> bool {
         let DecisionConfig { waypoints, ways, exits, goals, agents, .. } = &self.decision;
+        let comes = self.sources.iter().any(|source| source.waypoints.is_some());
         let own = |own: &AgentConfig| own.waypoints.is_some() || own.exit.is_some() || own.goal.is_some();
         let all = waypoints.is_some() || ways.is_some() || exits.is_some() || goals.is_some();
-        all || agents.values().any(own)
+        all || comes || agents.values().any(own)
     }
 
     /// Checks what is said of people who leave.
@@ -28,6 +29,7 @@ impl Scenario {
             ("push", push.is_some()),
             ("groups", groups.is_some()),
             ("start", start.is_some()),
+            ("sources", !self.sources.is_empty()),
         ] {
             fits(!given || walks, || format!("`{key}`: nobody walks without `leave`"))?;
         }

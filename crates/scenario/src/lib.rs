@@ -10,13 +10,17 @@ mod leave;
 mod people;
 mod place;
 mod push;
+mod source;
 
 pub use error::{ALL as SENTENCES, Result, ScenarioError, with_names};
-pub use forms::{DoorForm, DrawingForm, OrientationName, RegionForm, Share, TwoNumbers};
+pub use forms::{
+    DoorForm, DrawingForm, GroundForm, LinkForm, OrientationName, RegionForm, Share, TwoNumbers,
+};
 pub use leave::own_speeds;
 pub use people::{Crowd, Four, People, Ready, round};
-pub use place::{Ground, WalkableRoom};
+pub use place::{StandingArea, WalkableRoom};
 pub use push::{Push, drive};
+pub use source::SourceForm;
 
 use error::{Of, ROUND, fits, impossible, require, within};
 use lemons_core::files::source::FileSource;
@@ -76,6 +80,12 @@ pub struct Scenario {
     pub doors: Vec<DoorForm>,
     /// Places where people stand; without one, in the whole room, or on the distributions of a drawing.
     pub regions: Vec<RegionForm>,
+    /// Slopes and stairs.
+    pub grounds: Vec<GroundForm>,
+    /// Lines that are one: of floors that lie beside each other.
+    pub links: Vec<LinkForm>,
+    /// People who come later.
+    pub sources: Vec<SourceForm>,
     /// Number of people.
     pub number: Option<u32>,
     /// \[1/m²\] Density of people, instead of their number.
@@ -287,7 +297,7 @@ impl Scenario {
     /// # Errors
     /// A value is not possible, or does not fit to others; keys are between backticks.
     pub fn check(&self) -> Result<()> {
-        let Scenario { sides, geometry, room, doors, regions, pushes, .. } = self;
+        let Scenario { sides, geometry, room, doors, regions, grounds, links, sources, pushes, .. } = self;
         let rooms = [("box", sides.is_some()), ("geometry", geometry.is_some()), ("room", room.is_some())];
         let given: Vec<_> = rooms.iter().filter(|(_, given)| *given).map(|(key, _)| key).collect();
         fits(given.len() < 2, || format!("`{}` and `{}`: a scenario has one room", given[0], given[1]))?;
@@ -297,22 +307,40 @@ impl Scenario {
         self.drawing.check()?;
         doors.iter().try_for_each(DoorForm::check)?;
         regions.iter().enumerate().try_for_each(|(k, region)| region.check(k))?;
+        sources.iter().enumerate().try_for_each(|(k, source)| source.check(k))?;
         require(SKINS.contains(&self.material()), || {
             format!("`material` = {:?}: must be one of {}", self.material(), SKINS.join(", "))
         })?;
         require(!self.round || self.mix.is_empty(), || message!(ROUND))?;
-        for (key, count) in [("doors", doors.len()), ("regions", regions.len()), ("pushes", pushes.len())] {
+        for (key, count) in [
+            ("doors", doors.len()),
+            ("regions", regions.len()),
+            ("grounds", grounds.len()),
+            ("links", links.len()),
+            ("sources", sources.len()),
+            ("pushes", pushes.len()),
+        ] {
             require(count <= MOST_PARTS, || format!("`{key}`: {count} are more than {MOST_PARTS}"))?;
         }
         let of_room = room.iter().flat_map(Room::every_corner).copied();
-        let corners: Vec<Vec2> = regions.iter().flat_map(RegionForm::corners).chain(of_room).collect();
+        let of_grounds = grounds.iter().flat_map(|of| &of.corners).map(|corner| Vec2::from(corner.0));
+        let of_regions = regions.iter().flat_map(RegionForm::corners);
+        let of_links = links.iter().flat_map(|of| [of.here, of.there].concat()).map(|end| Vec2::from(end.0));
+        let corners: Vec<Vec2> = of_regions.chain(of_room).chain(of_grounds).chain(of_links).collect();
         require(corners.len() <= MOST_CORNERS, || {
-            format!("`room`, `regions`: {} corners are more than {MOST_CORNERS}", corners.len())
+            format!(
+                "`room`, `regions`, `grounds`, `links`: {} corners are more than {MOST_CORNERS}",
+                corners.len()
+            )
         })?;
         let near = |corner: &Vec2| [corner.x, corner.y].iter().all(|x| x.abs() <= FARTHEST);
         require(corners.iter().all(near), || {
-            format!("`room`, `regions`: corners must be from -{FARTHEST:e} to {FARTHEST:e} m")
+            format!(
+                "`room`, `regions`, `grounds`, `links`: corners must be from -{FARTHEST:e} to {FARTHEST:e} m"
+            )
         })?;
+        grounds.iter().enumerate().try_for_each(|(k, ground)| ground.ground(k).map(drop))?;
+        links.iter().enumerate().try_for_each(|(k, link)| link.link(k).map(drop))?;
         pushes.iter().try_for_each(Push::check)?;
         // TOML holds no larger ones.
         require(i64::try_from(self.seed()).is_ok(), || {

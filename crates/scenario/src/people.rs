@@ -2,13 +2,13 @@
 
 use crate::error::{NO_ROOM, NUMBER, Of, ROUND, Result, ScenarioError, fits, impossible, require};
 use crate::forms::{self, OrientationName};
-use crate::place::{Ground, WalkableRoom};
-use crate::{MOST_PEOPLE, Scenario, ScenarioDocuments, drive};
+use crate::place::{StandingArea, WalkableRoom};
+use crate::{MOST_PEOPLE, Scenario, ScenarioDocuments, SourceForm, drive};
 use lemons_core::files::input;
 use lemons_core::files::source::FileSource;
 use lemons_core::message::message;
 use lemons_core::plane::{Pose, Vec2};
-use lemons_core::trial::PanelChoice;
+use lemons_core::trial::{Ground, Link, PanelChoice, Trial};
 use lemons_decision::Plan;
 use lemons_people::placing::{
     Ended, FreeSpace, Method, Orientation, Packing, PlacingSettings, Watch, within_area,
@@ -100,8 +100,10 @@ pub struct Ready<'a> {
     pub place: WalkableRoom,
     /// How many stand on each ground.
     pub numbers: Vec<usize>,
-    /// Everybody, ground after ground.
+    /// Everybody who is there at the start, ground after ground.
     pub agents: Vec<CrowdMember>,
+    /// Those who come later, by source.
+    pub arriving: Vec<Vec<CrowdMember>>,
 }
 
 /// Placing of a crowd.
@@ -210,8 +212,11 @@ impl Scenario {
                 format!("`{key}`: `regions` say themselves how many people they have")
             })?;
         }
+        if !self.sources.is_empty() && self.regions.is_empty() && number.is_none() && density.is_none() {
+            return Ok(vec![0; place.grounds.len()]);
+        }
         let mut before = 0.0;
-        let mut on = |Ground { free, name, amount }: &Ground| {
+        let mut on = |StandingArea { free, name, amount }: &StandingArea| {
             let area = free.region.area();
             let own = *amount != (None, None);
             let wanted = match if own { *amount } else { (number, density) } {
@@ -248,10 +253,12 @@ impl Scenario {
     /// Their number is not said, or said twice, or nobody or too many would stand somewhere.
     pub fn ready(&self, population: &Population, place: WalkableRoom, most: u32) -> Result<Ready<'_>> {
         let numbers = self.numbers(&place)?;
-        let all = numbers.iter().sum::<usize>();
+        let there = numbers.iter().sum::<usize>();
+        let all = there + self.sources.iter().map(SourceForm::people).sum::<usize>();
         require(all <= most as usize, || message!(NUMBER, all, most = most as usize))?;
-        let agents = population.agents(self.seed()).take(all).collect();
-        Ok(Ready { scenario: self, place, numbers, agents })
+        let agents = population.agents(self.seed()).take(there).collect();
+        let arriving = self.arriving(population)?;
+        Ok(Ready { scenario: self, place, numbers, agents, arriving })
     }
 
     /// The packing, as messages call it.
@@ -271,8 +278,14 @@ impl Scenario {
     }
 
     /// Places shapes on the ground with this number.
-    fn on(&self, ground: &Ground, number: usize, shapes: &[Shape], watch: &mut Watch) -> Result<Packing> {
-        let Ground { free: FreeSpace { region, .. }, name, .. } = ground;
+    fn on(
+        &self,
+        ground: &StandingArea,
+        number: usize,
+        shapes: &[Shape],
+        watch: &mut Watch,
+    ) -> Result<Packing> {
+        let StandingArea { free: FreeSpace { region, .. }, name, .. } = ground;
         // Equal grounds are filled in different ways.
         let seed = self.seed().wrapping_add(number as u64);
         let settings =
@@ -330,7 +343,7 @@ impl Ready<'_> {
     /// # Errors
     /// They do not fit without overlap and may not overlap, or `watch` stopped the placing.
     pub fn crowd(&self, watch: &mut Watch) -> Result<Crowd> {
-        let Ready { scenario, place, numbers, agents } = self;
+        let Ready { scenario, place, numbers, agents, .. } = self;
         let mut shapes =
             agents.iter().map(CrowdMember::shape).collect::<Result<Vec<Shape>, PeopleError>>()?;
         if scenario.round {
@@ -340,6 +353,11 @@ impl Ready<'_> {
         for (k, (ground, number)) in place.grounds.iter().zip(numbers).enumerate() {
             let (own, others) = rest.split_at(*number);
             rest = others;
+            if own.is_empty() {
+                let region = &ground.free.region;
+                packings.push(Packing::of(own, region, Vec::new(), Ended::Done, 0));
+                continue;
+            }
             packings.push(scenario.on(ground, k, own, watch)?);
         }
         let densities = packings.iter().map(|packing| packing.density).collect();
@@ -360,17 +378,30 @@ impl Ready<'_> {
     /// # Errors
     /// People cannot leave, a push reaches nobody, or the mechanical step would be too short.
     pub fn into_documents(self, name: &str, crowd: Crowd) -> Result<ScenarioDocuments> {
-        let Ready { scenario, place, agents, .. } = self;
+        let Ready { scenario, place, mut agents, arriving, .. } = self;
         let poses = crowd.packing.poses.iter().copied();
-        let placed: Vec<(CrowdMember, Pose)> = agents.iter().cloned().zip(poses).collect();
+        let mut placed: Vec<(CrowdMember, Pose)> = agents.iter().cloned().zip(poses).collect();
+        placed.extend(scenario.entries(&place, &arriving)?);
+        agents.extend(arriving.into_iter().flatten());
         let mut geometry = place.geometry.clone();
+        for (k, ground) in scenario.grounds.iter().enumerate() {
+            let id = unused(geometry.grounds.iter().map(|ground| &*ground.id));
+            geometry.grounds.push(Ground { id, ..ground.ground(k)? });
+        }
+        for (k, link) in scenario.links.iter().enumerate() {
+            let id = unused(geometry.links.iter().map(|link| &*link.id));
+            geometry.links.push(Link { id, ..link.link(k)? });
+        }
         if let Some(longest) = scenario.panel_length {
             let panels = PanelChoice::Longest(longest);
             geometry.divide(panels).map_err(|why| impossible(format!("`panel_length`: {why}")))?;
         }
         let mut trial = crowd_trial(name, &placed, geometry, &scenario.settings())?;
         if scenario.round {
-            for (agent, shape) in trial.agents.iter_mut().zip(&crowd.shapes) {
+            let later =
+                agents[crowd.shapes.len()..].iter().map(|agent| agent.shape().map(|shape| round(&shape)));
+            let later = later.collect::<Result<Vec<Shape>, PeopleError>>()?;
+            for (agent, shape) in trial.agents.iter_mut().zip(crowd.shapes.iter().chain(&later)) {
                 agent.moment_of_inertia = shape.inertia(agent.mass);
                 agent.shapes.truncate(1);
                 (agent.shapes[0].position, agent.shapes[0].radius) = (Vec2::zeros(), shape.disks[0].radius);
@@ -383,12 +414,21 @@ impl Ready<'_> {
             contacts.for_each(|contact| contact.kinetic_friction = friction);
         }
         let mut notes = place.notes.clone();
-        let decision = scenario.decision(&agents, &trial, &place, &mut notes);
+        let mut decision = scenario.decision(&agents, &trial, &place, &mut notes);
+        decision.iter_mut().for_each(|config| scenario.with_sources(config, &trial));
         let pushed = drive(&trial, &scenario.pushes)?;
         let leave = if scenario.leave { "`leave`: people cannot leave: " } else { "" };
-        let plan =
-            |config: &_| Plan::of(&trial, config).map_err(|error| impossible(format!("{leave}{error}")));
-        let decision = decision.map(|config| plan(&config).map(|plan| (config, plan))).transpose()?;
+        let plan = |trial: &Trial, config: &_| {
+            Plan::of(trial, config).map_err(|error| impossible(format!("{leave}{error}")))
+        };
+        let mut plans = decision.as_ref().map(|config| plan(&trial, config)).transpose()?;
+        if let Some((config, made)) =
+            decision.as_ref().zip(plans.as_mut()).filter(|(_, made)| !made.sources.is_empty())
+        {
+            Scenario::let_walk(&mut trial, made)?;
+            *made = plan(&trial, config)?;
+        }
+        let decision = decision.zip(plans);
         Ok(ScenarioDocuments { trial, agents, crowd, place, drive: pushed, decision, notes })
     }
 }
@@ -397,4 +437,10 @@ impl Ready<'_> {
 pub fn round(shape: &Shape) -> Shape {
     let radius = (shape.moments().area / PI).sqrt();
     Shape { disks: vec![Disk { centre: Vec2::zeros(), radius }] }
+}
+
+/// Returns the lowest number that is no Id yet.
+fn unused<'a>(ids: impl Iterator<Item = &'a str> + Clone) -> String {
+    let mut free = (0..).map(|k: usize| k.to_string()).filter(|id| ids.clone().all(|other| other != id));
+    free.next().unwrap_or_default()
 }

@@ -25,7 +25,7 @@ const NARROW: f64 = 0.5;
 
 /// Ground on which people stand together.
 #[derive(Debug, Clone)]
-pub struct Ground {
+pub struct StandingArea {
     /// Ground that walls leave.
     pub free: FreeSpace,
     /// Name in messages.
@@ -38,7 +38,7 @@ pub struct Ground {
 #[derive(Debug, Clone)]
 pub struct WalkableRoom {
     /// Grounds, at least one.
-    pub grounds: Vec<Ground>,
+    pub grounds: Vec<StandingArea>,
     /// Walls, with doors.
     pub geometry: Geometry,
     /// \[m\] The walls that doors were cut into, without them.
@@ -175,7 +175,7 @@ impl Scenario {
         let outline = drawn.as_ref().and_then(|drawn| Some(&drawn.plan.walls[drawn.plan.outline?]));
         let grounds = if let (Some(outline), Err(_), true) = (outline, &whole, regions.is_empty()) {
             let free = Region::free_space(outline, &geometry, &[]).of(&of_room)?;
-            vec![Ground { free, name: name.clone(), amount: (None, None) }]
+            vec![StandingArea { free, name: name.clone(), amount: (None, None) }]
         } else if regions.is_empty() {
             let region = whole.map_err(|error| {
                 let open = matches!(error, PeopleError::OpenWall { .. });
@@ -190,7 +190,7 @@ impl Scenario {
             };
             let (rooms, obstacles) = (ids(true), ids(false));
             let free = FreeSpace { region, rooms, obstacles, walls: Vec::new() };
-            vec![Ground { free, name: name.clone(), amount: (None, None) }]
+            vec![StandingArea { free, name: name.clone(), amount: (None, None) }]
         } else {
             grounds(&regions, &geometry, &name)?
         };
@@ -262,14 +262,14 @@ impl Scenario {
 }
 
 /// The ground of each region, in their order, among walls. `place` is as the user named the whole.
-fn grounds(regions: &[RegionForm], geometry: &Geometry, place: &str) -> Result<Vec<Ground>> {
+fn grounds(regions: &[RegionForm], geometry: &Geometry, place: &str) -> Result<Vec<StandingArea>> {
     let mut drawn: Vec<Region> = Vec::new();
     let mut grounds = Vec::new();
     for (k, region) in regions.iter().enumerate() {
         let (name, corners) = (format!("region {k} of {place}"), region.corners());
         let free = Region::free_space(&corners, geometry, &drawn).of(format_args!("`regions`: {name}"))?;
         drawn.push(Region::polygon(&corners, &[]).of("`regions`")?);
-        grounds.push(Ground { free, name, amount: (region.number, region.density) });
+        grounds.push(StandingArea { free, name, amount: (region.number, region.density) });
     }
     Ok(grounds)
 }

@@ -120,7 +120,8 @@ impl Simulation {
     /// # Errors
     /// None of documents that were read and checked.
     pub fn new(documents: Documents, algorithm: Algorithm) -> Result<Simulation, SimError> {
-        let Documents { trial, drive, plan } = documents;
+        let Documents { mut trial, drive, plan } = documents;
+        plan.iter().for_each(|plan| plan.mark_absent(&mut trial));
         let ids = trial.agents.iter().map(|agent| agent.id.clone()).collect();
         let (played, added) = match &plan {
             None => (drive, DriveTable::default()),
@@ -288,6 +289,7 @@ impl Simulation {
             place: format!("t = {:?} s", self.time),
             ..Frame::default()
         }
+        .with_outside(self.trial())
     }
 
     /// Returns the state at the present communication point, as bytes.

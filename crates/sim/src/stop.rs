@@ -1,8 +1,8 @@
 //! The end of a run: at a time, or before, when the crowd has come to rest or has left.
 
-use lemons_core::plane::Vec2;
+use lemons_core::plane::{Motion, Vec2};
 use lemons_results::Frame;
-use lemons_results::measure::{LATEST, Leaving, Over};
+use lemons_results::measure::{LATEST, Leaving, OUTSIDE, Over};
 
 /// \[s\] Nobody moves for so long.
 pub const REST: f64 = 1.0;
@@ -120,10 +120,13 @@ pub fn moves(frame: &Frame) -> bool {
     })
 }
 
-/// Returns where everybody is \[m\]; `None` of those who have left.
+/// Returns where everybody is \[m\], or [`OUTSIDE`]; `None` of those who have left.
 fn places(frame: &Frame) -> Vec<Option<Vec2>> {
-    let all = frame.agents.iter().enumerate();
-    all.map(|(agent, motion)| frame.is_there(agent).then_some(motion.pose.position)).collect()
+    let at = |(agent, motion): (usize, &Motion)| match frame.is_there(agent) {
+        true => Some(motion.pose.position),
+        false => frame.is_outside(agent).then_some(OUTSIDE),
+    };
+    frame.agents.iter().enumerate().map(at).collect()
 }
 
 impl Still {

@@ -46,6 +46,10 @@ pub fn pass(
             return Ok(());
         }
         (first, last, frames) = (first.or(Some(frame.time)), frame.time, frames + 1);
+        let frame = match trial {
+            Some(trial) => frame.with_outside(trial),
+            None => frame,
+        };
         departures.add(&frame);
         balance.add(&frame);
         passages.iter_mut().for_each(|line| line.add(&frame));

@@ -103,7 +103,7 @@ pub fn person(arguments: &Arguments) -> Result<()> {
         outputs.fill("--geojson", |file| write_geojson(&sections, file))?;
         outputs.fill("--wkt", |file| write_wkt(&sections, file))?;
     }
-    let open = Geometry { dimensions: None, walls: Vec::new() };
+    let open = Geometry::default();
     let alone = [(CrowdMember::Pedestrian(person), Pose::default())];
     let trial = crowd_trial("person", &alone, open, &TrialSettings::default())?;
     outputs.draw(&PictureScene::at_start(&trial), &Style::default())?;

@@ -265,7 +265,7 @@ fn walls_of(found: &Proposal) -> Geometry {
     let open = if found.ground.is_empty() { &found.drawn } else { &found.open };
     let all = rims.chain(open.iter().map(|ends| ends.to_vec()));
     let walls = all.enumerate().map(|(id, corners)| Wall::new(id.to_string(), WALLS, corners)).collect();
-    Geometry { dimensions: None, walls }
+    Geometry { walls, ..Geometry::default() }
 }
 
 /// A gap, for the picture: red as an exit if it is a door.

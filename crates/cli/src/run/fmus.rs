@@ -27,6 +27,8 @@ struct Reader {
     values: ValueSelection,
     /// Means and peaks of the pieces of walls.
     walls: Option<[ValueSelection; 2]>,
+    /// If somebody comes later.
+    trial: Option<Trial>,
     /// The same of panels, and their lengths \[m\].
     panels: Option<([ValueSelection; 2], Vec<f64>)>,
 }
@@ -175,7 +177,9 @@ impl Reader {
                 trial.geometry.panels().map(|(_, [start, end])| (end - start).norm()).collect();
             panels = select(lengths.len(), "barrier", BARRIER_LOADS)?.map(|values| (values, lengths));
         }
-        Ok((Reader { place, agents, groups, values, walls, panels }, crowd))
+        let late = |trial: &&Trial| trial.dynamics.iter().any(|own| own.absent);
+        let trial = crowd.trial.as_ref().filter(late).cloned();
+        Ok((Reader { place, agents, groups, values, walls, trial, panels }, crowd))
     }
 
     fn frame(&self, system: &System) -> Result<Frame> {
@@ -195,7 +199,10 @@ impl Reader {
         frame.walls = self.walls.as_ref().map(|walls| forces(walls, &|_| 1.0)).transpose()?;
         let panels = self.panels.as_ref();
         frame.panels = panels.map(|(panels, lengths)| forces(panels, &|k| lengths[k])).transpose()?;
-        Ok(frame)
+        Ok(match &self.trial {
+            Some(trial) => frame.with_outside(trial),
+            None => frame,
+        })
     }
 }
 

@@ -184,13 +184,17 @@ impl CrowdRecorder {
         };
         let mut lines = Vec::new();
         if groups.has(Group::Active) {
-            let left = (0..ids.len()).filter(|agent| !self.end.last.is_there(*agent)).count();
+            let outside = self.end.last.outside.iter().filter(|outside| **outside).count();
+            let left = (0..ids.len()).filter(|agent| !self.end.last.is_there(*agent)).count() - outside;
             let last = self
                 .end
                 .departures
                 .last()
                 .map_or(String::new(), |(time, _)| format!("; the last at {time:.3} s"));
             lines.push(format!("left               {left:>10}     (of {} people{last})", ids.len()));
+            if outside > 0 {
+                lines.push(format!("not come yet       {outside:>10}"));
+            }
         }
         if groups.has(Group::OfStep) {
             lines.push(format!("largest overlap    {:>10.3} mm", 1e3 * largest_overlap));

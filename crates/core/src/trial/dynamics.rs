@@ -22,12 +22,14 @@ pub struct AgentDynamics {
     pub fp: Vec2,
     /// \[N.m\] propulsion torque.
     pub mp: f64,
+    /// `Active="false"`: it is not there at the start. When it comes, it moves as said here.
+    pub absent: bool,
 }
 
 pub(crate) static AGENTS: Schema = Schema { name: "Agents", attributes: &[], children: &[&AGENT] };
 static AGENT: Schema = Schema {
     name: "Agent",
-    attributes: &[("Id", AttributeValue::IdOf("agent"))],
+    attributes: &[("Id", AttributeValue::IdOf("agent")), ("Active", AttributeValue::Word("false"))],
     children: &[&KINEMATICS, &DYNAMICS],
 };
 static KINEMATICS: Schema = Schema {
@@ -72,6 +74,7 @@ pub(crate) fn read(root: Element<'_>, agents: Option<&[Agent]>) -> Vec<AgentDyna
 
 fn read_agent(element: Element<'_>) -> AgentDynamics {
     let mut agent = AgentDynamics::of(&Motion::default());
+    agent.absent = element.node.has("Active") && element.text("Active") == "false";
     if let Some(kinematics) = element.only("Kinematics") {
         agent.position = kinematics.vector("Position");
         agent.velocity = kinematics.vector("Velocity");
@@ -96,6 +99,7 @@ impl AgentDynamics {
             omega: twist.angular_velocity,
             fp: Vec2::zeros(),
             mp: 0.0,
+            absent: false,
         }
     }
 
@@ -121,7 +125,8 @@ pub enum DynamicsElement {
 pub fn dynamics_xml(agents: &[Agent], dynamics: &[AgentDynamics], element: DynamicsElement) -> String {
     document("Agents", |out| {
         for (agent, state) in agents.iter().zip(dynamics) {
-            out.element("Agent", &[("Id", &agent.id)], |out| {
+            let active = state.absent.then_some("false");
+            out.element("Agent", &AGENT.values(&[Some(&agent.id), active]), |out| {
                 let [position, velocity, fp] = [state.position, state.velocity, state.fp].map(vector);
                 let [theta, omega, mp] = [state.theta, state.omega, state.mp].map(number);
                 empty(out, &KINEMATICS, &[&position, &velocity, &theta, &omega]);

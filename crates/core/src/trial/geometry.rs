@@ -2,12 +2,15 @@
 
 use crate::files::source::FileSource;
 use crate::plane::{Vec2, vec2};
+use crate::trial::ground::{self, GROUND, Ground, MOST_GROUNDS};
+use crate::trial::link::{LINK, Link, MOST_LINKS};
 use crate::trial::opening::OpeningTimes;
 use crate::trial::panels::MOST_PANELS;
 use crate::trial::schema::{AttributeValue, Schema};
 use crate::trial::xml::{Checked, Element, Ids, document, empty, read_alone, read_id, vector};
-use crate::xml::{number, quoted};
+use crate::xml::{XmlWriter, number, quoted};
 use std::collections::HashMap;
+use std::iter;
 use std::path::Path;
 
 /// `Geometry.xml`.
@@ -17,6 +20,10 @@ pub struct Geometry {
     pub dimensions: Option<Vec2>,
     /// In file order.
     pub walls: Vec<Wall>,
+    /// Slopes and stairs, in file order; elsewhere the plan is level.
+    pub grounds: Vec<Ground>,
+    /// Lines that are one, in file order.
+    pub links: Vec<Link>,
 }
 
 impl Geometry {
@@ -72,7 +79,7 @@ impl Wall {
 }
 
 pub(crate) static GEOMETRY: Schema =
-    Schema { name: "Geometry", attributes: &[], children: &[&DIMENSIONS, &WALL] };
+    Schema { name: "Geometry", attributes: &[], children: &[&DIMENSIONS, &WALL, &GROUND, &LINK] };
 static DIMENSIONS: Schema = Schema {
     name: "Dimensions",
     attributes: &[("Lx", AttributeValue::Number), ("Ly", AttributeValue::Number)],
@@ -88,7 +95,7 @@ static WALL: Schema = Schema {
     ],
     children: &[&CORNER],
 };
-static CORNER: Schema =
+pub(crate) static CORNER: Schema =
     Schema { name: "Corner", attributes: &[("Coordinates", AttributeValue::Point)], children: &[] };
 
 /// Reads the geometry; `materials` is `None` where they could not be read.
@@ -99,7 +106,7 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Geometry {
     for element in root.children("Wall") {
         let id = read_id(element, &mut lines);
         let (material_id, _) = element.reference("MaterialId", materials);
-        let corners = read_corners(element, &id);
+        let corners = read_corners(element, "wall", &id, 2);
         let open = element.times("Open");
         let panel_length = element.node.has("PanelLength").then(|| element.number("PanelLength"));
         let wall = Wall { id, material_id, corners, open, panel_length };
@@ -110,23 +117,55 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Geometry {
         }
         walls.push(wall);
     }
-    Geometry { dimensions, walls }
+    let mut lines = HashMap::new();
+    let grounds = root.children("Ground").filter_map(|element| {
+        let id = read_id(element, &mut lines);
+        let corners = read_corners(element, "ground", &id, 3);
+        ground::read(element, id, corners)
+    });
+    let grounds: Vec<Ground> = grounds.collect();
+    if grounds.len() > MOST_GROUNDS {
+        root.error(format!("{} grounds; at most {MOST_GROUNDS} are allowed", grounds.len()));
+    }
+    let mut lines = HashMap::new();
+    let links = root.children("Link").filter_map(|element| {
+        let id = read_id(element, &mut lines);
+        let corners: Vec<Vec2> =
+            element.children("Corner").map(|corner| corner.vector("Coordinates")).collect();
+        let [a, b, c, d] = corners[..] else {
+            let (name, count) = (quoted(&id), corners.len());
+            element.error(format!("link {name} has {count} corners: it needs four, the ends of two lines"));
+            return None;
+        };
+        let link = Link { id, lines: [[a, b], [c, d]] };
+        if let Err(why) = link.check() {
+            element.error(format!("link {}: {why}", quoted(&link.id)));
+        }
+        Some(link)
+    });
+    let links: Vec<Link> = links.collect();
+    if links.len() > MOST_LINKS {
+        root.error(format!("{} links; at most {MOST_LINKS} are allowed", links.len()));
+    }
+    Geometry { dimensions, walls, grounds, links }
 }
 
-fn read_corners(wall: Element<'_>, id: &str) -> Vec<Vec2> {
+/// Reads the corners of a wall or a ground: two, or more, in different places.
+fn read_corners(of: Element<'_>, what: &str, id: &str, least: usize) -> Vec<Vec2> {
     let mut corners: Vec<Vec2> = Vec::new();
-    for element in wall.children("Corner") {
+    for element in of.children("Corner") {
         let corner = element.vector("Coordinates");
         let place = corners.len();
         if corners.last().is_some_and(|&before| (corner - before).norm() == 0.0) {
             let before = place - 1;
-            let message = format!("corner {place} of wall {} is where corner {before} is", quoted(id));
+            let message = format!("corner {place} of {what} {} is where corner {before} is", quoted(id));
             element.wrong("Coordinates", message);
         }
         corners.push(corner);
     }
-    if corners.len() < 2 {
-        wall.error(format!("wall {} has {} corners: it needs two", quoted(id), corners.len()));
+    if corners.len() < least {
+        let words = if least == 2 { "two" } else { "three" };
+        of.error(format!("{what} {} has {} corners: it needs {words}", quoted(id), corners.len()));
     }
     corners
 }
@@ -140,11 +179,24 @@ pub(crate) fn xml(geometry: &Geometry) -> String {
             let open = wall.open.as_ref().map(OpeningTimes::text);
             let panel_length = wall.panel_length.map(number);
             let values = [Some(&*wall.id), Some(&wall.material_id), open.as_deref(), panel_length.as_deref()];
-            out.element("Wall", &WALL.values(&values), |out| {
-                for &corner in &wall.corners {
-                    empty(out, &CORNER, &[&vector(corner)]);
-                }
+            out.element("Wall", &WALL.values(&values), |out| write_corners(out, &wall.corners));
+        }
+        for ground in &geometry.grounds {
+            let numbers = ground::values(ground).map(|value| value.map(number));
+            let values = iter::once(Some(&*ground.id)).chain(numbers.iter().map(Option::as_deref));
+            let values: Vec<_> = values.collect();
+            out.element("Ground", &GROUND.values(&values), |out| write_corners(out, ground.area.corners()));
+        }
+        for link in &geometry.links {
+            out.element("Link", &LINK.values(&[Some(&link.id)]), |out| {
+                write_corners(out, link.lines.as_flattened());
             });
         }
     })
+}
+
+fn write_corners(out: &mut XmlWriter, corners: &[Vec2]) {
+    for &corner in corners {
+        empty(out, &CORNER, &[&vector(corner)]);
+    }
 }

@@ -18,6 +18,8 @@ pub(crate) enum AttributeValue {
     Positive,
     /// A finite number, 0 or above.
     NotNegative,
+    /// A number from 0 to 1.
+    Share,
     /// Two numbers, not too far from the origin.
     Point,
     /// Two numbers.
@@ -75,6 +77,7 @@ mod tests {
             AttributeValue::Number => ("number", "any"),
             AttributeValue::Positive => ("number", "> 0"),
             AttributeValue::NotNegative => ("number", "≥ 0"),
+            AttributeValue::Share => ("number", "0 to 1"),
             AttributeValue::Point => ("point", "any"),
             AttributeValue::Vector => ("vector", "any"),
             AttributeValue::Text => ("text", "any"),

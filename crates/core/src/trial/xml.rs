@@ -293,6 +293,9 @@ impl<'a> Element<'a> {
             (None, _) => "must be a finite decimal number",
             (Some(..=0.0), Some(AttributeValue::Positive)) => "must be positive",
             (Some(..0.0), Some(AttributeValue::NotNegative)) => "must not be negative",
+            (Some(number), Some(AttributeValue::Share)) if !(0.0..=1.0).contains(&number) => {
+                "must be from 0 to 1"
+            }
             (Some(number), _) => return number,
         };
         self.wrong(attribute, fault);

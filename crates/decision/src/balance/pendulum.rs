@@ -14,10 +14,9 @@
 use super::{Legs, OwnMotion, STILL, at_most};
 use crate::error::{PlanError, not_negative, number};
 use lemons_core::plane::{InPlane, Vec2};
+use lemons_core::trial::GRAVITY;
 use serde::{Deserialize, Serialize};
 
-/// \[m/s²\] Acceleration of gravity.
-const GRAVITY: f64 = 9.81;
 /// \[s\] Time in which the last part of the way back is walked.
 const ARRIVING: f64 = 0.5;
 /// \[m\] Distance from walls at which a step ends: half the length of a foot.
@@ -230,7 +229,8 @@ impl Pendulum {
     fn land(&self, legs: &mut Legs, motion: &OwnMotion, around: Around) {
         let to = self.extrapolated(legs, motion);
         let ahead = to.unit(1e-9).unwrap_or(Vec2::zeros()) * self.step_margin;
-        let falls = to.norm() > self.step_length + self.support;
+        let reach = if motion.steps { self.step_length } else { 0.0 };
+        let falls = to.norm() > reach + self.support;
         // A body that nothing holds would be faster and faster.
         let step = if falls { to } else { at_most(to + ahead, self.step_length) };
         legs.at += step * around.room(legs.at, step, self.feet_distance);
@@ -287,6 +287,7 @@ mod tests {
             damping: FLOOR,
             stature: STATURE,
             lean: Vec2::zeros(),
+            steps: true,
         };
         (Legs::default().under(&motion, true), motion)
     }
@@ -363,6 +364,19 @@ mod tests {
         let (legs, later) = pass(&lying, (legs, motion), 0.1);
         assert!((motion.velocity.x - later.velocity.x - 0.1 * FRICTION * GRAVITY).abs() < 1e-9);
         assert_eq!(legs.steps, 1);
+    }
+
+    /// On stairs nobody steps: the support is all there is.
+    #[test]
+    fn who_loses_balance_on_stairs_falls() {
+        let model = Pendulum { bracing: 0.0, return_after: 100.0, ..Pendulum::default() };
+        let most = rate() * model.support;
+        for (part, falls) in [(0.98, false), (1.02, true)] {
+            let (legs, motion) = hit(part * most);
+            let on_stairs = OwnMotion { steps: false, ..motion };
+            assert_eq!(pass(&model, (legs, on_stairs), 0.5).0.fallen, falls);
+            assert!(!pass(&model, (legs, motion), 0.5).0.fallen);
+        }
     }
 
     #[test]

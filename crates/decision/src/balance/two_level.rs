@@ -114,7 +114,7 @@ impl TwoLevel {
         legs.velocity += ((wanted - legs.velocity) * self.legs_rate + repelled) * part;
         legs.at += legs.velocity * part;
         let lean = motion.at - legs.at;
-        let most = self.separation_part * motion.stature;
+        let most = if motion.steps { self.separation_part * motion.stature } else { self.balanced };
         if lean.norm() > most {
             legs.at = motion.at - at_most(lean, most);
             legs.fallen = true;
@@ -167,6 +167,7 @@ mod tests {
             damping: DAMPING,
             stature: 1.73,
             lean: Vec2::zeros(),
+            steps: true,
         };
         Some((Legs::new(motion.at, true), motion))
     }

@@ -95,6 +95,7 @@ pub(super) fn text(config: &DecisionConfig) -> Result<String, Error> {
     text.key("exit_choice", config.exit_choice.as_ref(), queue)?;
     text.list("exits", config.exits.as_ref(), target)?;
     text.list("goals", config.goals.as_ref(), target)?;
+    text.list("sources", Some(&config.sources).filter(|all| !all.is_empty()), |_| "[s]")?;
     text.list("motivation", Some(&config.motivation).filter(|all| !all.is_empty()), |_| "[s]")?;
     text.section("queue", config.queue.as_ref())?;
     config.constants().try_for_each(|of| text.section(of.name().name(), Some(&of)))?;

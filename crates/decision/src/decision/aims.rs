@@ -35,7 +35,7 @@ impl Decision {
             let there = agent.next() == agent.walker.waypoints.len();
             let open = match self.destination(i) {
                 Destination::None => false,
-                Destination::Target(k) => self.plan.targets[k].is_open(self.time),
+                Destination::Target(k) => self.is_open(k),
                 Destination::NearestExit => true,
             };
             walks && (!there || open) && aims[i].arrival.is_none() && !aims[i].to_door
@@ -47,6 +47,7 @@ impl Decision {
     pub(super) fn find_aims(&mut self) {
         if self.aims.is_none() {
             let mut aims: Vec<Aim> = (0..self.agents.len()).map(|i| self.find_aim(i)).collect();
+            self.let_out(&mut aims);
             self.keep_together(&mut aims);
             self.aims = Some(aims);
         }
@@ -62,25 +63,37 @@ impl Decision {
         if let Some(aims) = &self.aims {
             return aims[i].arrival;
         }
-        let agent = &self.agents[i];
-        if agent.left {
+        if self.agents[i].left {
             return Some(Arrival::Leaves);
         }
-        let there = agent.next() == agent.walker.waypoints.len();
-        let open = |k: usize| self.plan.targets[k].is_open(self.time);
+        let stays = |k: usize| self.plan.targets[k].stay;
+        self.reached(i).map(|k| if stays(k) { Arrival::Stays } else { Arrival::Leaves })
+    }
+
+    /// Returns at which exit or goal an agent has arrived that has not left.
+    pub(super) fn reached(&self, i: usize) -> Option<usize> {
+        let agent = &self.agents[i];
+        let there = agent.came && agent.next() == agent.walker.waypoints.len();
+        let open = |k: usize| self.is_open(k);
         self.ways().filter(|_| there)?.arrived(
             self.plan.agents[i].destination,
-            agent.from(),
+            agent.from(&self.plan.links),
             agent.at(),
             || self.plan.agents[i].radius(),
             open,
         )
     }
 
+    /// Returns whether an agent is not there: it has not come yet, or has left.
+    pub(super) fn is_away(&self, i: usize) -> bool {
+        !self.agents[i].came || self.arrival(i) == Some(Arrival::Leaves)
+    }
+
     /// Returns whether an agent walks by now; a group starts when the last one of it does. A rounding error is not a time.
     pub(super) fn has_started(&self, i: usize) -> bool {
         let starts = |i: usize| self.time >= self.agents[i].walker.start - 1e-9;
-        self.group(i).map_or_else(|| starts(i), |group| group.iter().all(|&j| starts(j)))
+        self.agents[i].came
+            && self.group(i).map_or_else(|| starts(i), |group| group.iter().all(|&j| starts(j)))
     }
 
     /// Destination of an agent: the exit that it has chosen, if it chooses one.
@@ -98,8 +111,17 @@ impl Decision {
         self.aims.as_ref().map_or_else(|| self.find_aim(i).goes, |aims| aims[i].goes)
     }
 
-    /// Computes the aim of an agent at its present pose.
+    /// Computes the aim of an agent at its present pose. On slopes and stairs the speed is another one.
     pub(super) fn find_aim(&self, i: usize) -> Aim {
+        let mut aim = self.find_level_aim(i);
+        if let (Some((way, speed)), Some(ground)) = (&mut aim.goes, self.plan.ground_at(self.agents[i].at()))
+        {
+            *speed *= ground.speed_factor(*way);
+        }
+        aim
+    }
+
+    fn find_level_aim(&self, i: usize) -> Aim {
         let (agent, destination, arrival) = (&self.agents[i], self.destination(i), self.arrival(i));
         let nowhere = Aim { arrival, goes: None, to_go: 0.0, to_door: false };
         if !self.has_started(i) || agent.waits() {
@@ -117,8 +139,7 @@ impl Decision {
             return nowhere;
         }
         let Some(ways) = self.ways() else { return nowhere };
-        let closed =
-            matches!(destination, Destination::Target(k) if !self.plan.targets[k].is_open(self.time));
+        let closed = matches!(destination, Destination::Target(k) if !self.is_open(k));
         let (leg, turn) = (ways.leg(destination, agent.at(), closed), agent.choice.turn);
         // Without a change of the exit, not even rounding.
         let turned = |way: Vec2| if turn == 0.0 { way } else { rotation(turn) * way };

@@ -1,5 +1,6 @@
 //! Which exit people take, and when they take another one.
 
+use super::aims::Aim;
 use super::{AgentState, Decision};
 use crate::exit_choice::{ExitChoice, Offer, Queues};
 use crate::target::{Destination, Target};
@@ -14,13 +15,15 @@ impl Decision {
         let (now, by_time) = (self.time + step, self.plan.exit_choice == ExitChoice::Time);
         // By distance, once a second and when something opens or closes; a group with its first member.
         let anew = self.plan.opens_or_closes(self.time, now);
+        let open = self.exits().any(|k| !self.is_full(k));
         let due = |agent: &mut AgentState| !by_time && (agent.choice.is_due(step) || anew);
         let due: Vec<bool> = self.agents.iter_mut().map(due).collect();
         let here = |i: &usize| !self.agents[*i].left && self.has_started(*i);
         let here: Vec<usize> = (0..self.agents.len()).filter(here).collect();
         for &i in &here {
             let own = self.agents[i].choice.exit;
-            let chooses = own.is_none() || due[self.leader(i)];
+            let full = open && own.is_some_and(|own| self.is_full(own));
+            let chooses = own.is_none() || full || due[self.leader(i)];
             if self.plan.agents[i].destination == Destination::NearestExit && chooses {
                 let nearest = self.nearest_exit(i, now);
                 match (own, nearest) {
@@ -39,8 +42,11 @@ impl Decision {
         let mut queues = Queues::new(self.plan.targets.len(), here.iter().filter_map(heads));
         let from = |i: &usize| self.agents[*i].choice.exit.map(|_| self.starts_from(*i));
         let from: Vec<Vec2> = here.iter().filter_map(from).collect();
-        let widths: Vec<(usize, f64)> =
-            self.exits().map(|k| (k, ways.width(k, from.iter().copied()))).collect();
+        let widths: Vec<(usize, f64)> = self
+            .exits()
+            .filter(|k| !self.is_full(*k))
+            .map(|k| (k, ways.width(k, from.iter().copied())))
+            .collect();
         for i in here {
             let Some(own) = self.agents[i].choice.exit.filter(|_| self.leader(i) == i) else { continue };
             if !self.agents[i].choice.is_due(step) {
@@ -81,6 +87,31 @@ impl Decision {
         }
     }
 
+    /// Returns whether as many have left by an exit as may.
+    pub(super) fn is_full(&self, k: usize) -> bool {
+        self.plan.targets[k].most.is_some_and(|most| self.passed[k] >= most as usize)
+    }
+
+    /// Returns whether people can leave by an exit now.
+    pub(super) fn is_open(&self, k: usize) -> bool {
+        self.plan.targets[k].is_open(self.time) && !self.is_full(k)
+    }
+
+    /// Of those who reach an exit in the same step, only as many leave as may: the first ones in their order. The others wait.
+    pub(super) fn let_out(&self, aims: &mut [Aim]) {
+        if !self.plan.counts() {
+            return;
+        }
+        let mut passed = self.passed.clone();
+        for (i, aim) in aims.iter_mut().enumerate().filter(|(i, _)| !self.agents[*i].left) {
+            let Some(k) = self.reached(i).filter(|k| !self.plan.targets[*k].stay) else { continue };
+            passed[k] += 1;
+            if self.plan.targets[k].most.is_some_and(|most| passed[k] > most as usize) {
+                *aim = Aim { arrival: None, goes: None, ..*aim };
+            }
+        }
+    }
+
     pub(super) fn exits(&self) -> impl Iterator<Item = usize> {
         (0..self.plan.targets.len()).filter(|k| !self.plan.targets[*k].stay)
     }
@@ -102,7 +133,8 @@ impl Decision {
             let open = exit.open.as_ref().filter(|open| !open.is_open(time));
             let offer =
                 Offer { target, distance, width: f64::INFINITY, open, doors: &doors, time_factor: 1.0 };
-            (target, offer.time(self.agents[i].walker.desired_speed, time, 0.0), distance)
+            let first = offer.time(self.agents[i].walker.desired_speed, time, 0.0);
+            (target, if self.is_full(target) { f64::INFINITY } else { first }, distance)
         });
         let first = by_each.min_by(|a, b| a.1.total_cmp(&b.1).then(a.2.total_cmp(&b.2)));
         first.map(|(target, ..)| target)

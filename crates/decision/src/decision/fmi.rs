@@ -4,7 +4,6 @@ use super::quantities::{self, DecisionQuantity};
 use super::{AgentState, Decision};
 use crate::config::DECISION_FILE;
 use crate::plan::Plan;
-use crate::target::Arrival;
 use crate::walking_model::DesiredMotion;
 use lemons_core::plane::InPlane;
 use lemons_fmi::location::Location;
@@ -21,6 +20,7 @@ pub struct SavedDecision {
     /// \[s\] Time since the start.
     time: f64,
     /// See [`Decision`].
+    passed: Vec<usize>,
     wanted: Option<Vec<DesiredMotion>>,
 }
 
@@ -40,7 +40,7 @@ impl Model for Decision {
     const DESCRIPTION: &'static str =
         "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 10;
+    const STATE_VERSION: u32 = 11;
     const SIZES: &'static [Size] = &quantities::SIZES;
     const VARIABLES: &'static [Variable<DecisionQuantity>] = &quantities::QUANTITIES;
 
@@ -81,7 +81,10 @@ impl Model for Decision {
             DecisionQuantity::Mp => finite(i, "Mp", self.drive(i)?.torque)?,
             DecisionQuantity::Active => {
                 self.find_ways()?;
-                f64::from(self.arrival(i) != Some(Arrival::Leaves))
+                if self.plan.counts() {
+                    self.find_aims();
+                }
+                f64::from(!self.is_away(i))
             }
             DecisionQuantity::Arrived => self.arrived()? as f64,
             DecisionQuantity::NextWaypoint => self.agents[i].next() as f64,
@@ -148,6 +151,7 @@ impl Model for Decision {
         SavedDecision {
             fingerprint: self.fingerprint,
             time: self.time,
+            passed: self.passed.clone(),
             agents: self.agents.clone(),
             wanted: self.wanted.clone(),
         }
@@ -155,7 +159,7 @@ impl Model for Decision {
 
     fn restore(&mut self, saved: &SavedDecision) -> Answer<()> {
         const IMPOSSIBLE: &str = "it has other agents or way-points, or impossible values";
-        let SavedDecision { fingerprint, agents: saved, time, wanted } = saved;
+        let SavedDecision { fingerprint, agents: saved, time, passed, wanted } = saved;
         if *fingerprint != self.fingerprint {
             return refuse("the state belongs to another model, with another Trial or decision.toml");
         }
@@ -175,7 +179,10 @@ impl Model for Decision {
                 && a.legs.is_sound()
                 && a.queue.is_sound()
         };
-        if !time.is_finite() || wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len()) {
+        if !time.is_finite()
+            || passed.len() != self.passed.len()
+            || wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len())
+        {
             return damaged(IMPOSSIBLE);
         }
         if saved.len() != self.agents.len() || !saved.iter().zip(&self.agents).all(alike) {
@@ -191,6 +198,7 @@ impl Model for Decision {
             }
         }
         (self.agents, self.time) = (restored.agents, *time);
+        self.passed.clone_from(passed);
         self.forget();
         self.wanted.clone_from(wanted);
         Ok(())

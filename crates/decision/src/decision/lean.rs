@@ -8,6 +8,7 @@ use crate::queue::{self, Lean, TOUCHING, feet_hold};
 use crate::stuck::StuckAction;
 use crate::walking_model::Walking;
 use lemons_core::plane::Vec2;
+use lemons_core::trial::Ground;
 
 impl Decision {
     /// Returns how an agent leans on who is in front, if it does.
@@ -20,7 +21,11 @@ impl Decision {
     pub(super) fn leaning(&self, i: usize) -> OwnMotion {
         let agent = &self.agents[i];
         let lean = self.leans.as_ref().and_then(|leans| leans[i]).unwrap_or_default();
-        OwnMotion { lean: lean.direction * (lean.part * lean.force / agent.walker.mass), ..agent.motion() }
+        OwnMotion {
+            lean: lean.direction * (lean.part * lean.force / agent.walker.mass),
+            steps: !self.plan.ground_at(agent.at()).is_some_and(Ground::is_stairs),
+            ..agent.motion()
+        }
     }
 
     /// Computes how people lean at the present poses, if anybody leans.

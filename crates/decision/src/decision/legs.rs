@@ -2,7 +2,6 @@
 
 use super::Decision;
 use crate::balance::{BalanceModel, Legs, OwnMotion, STILL};
-use crate::target::Arrival;
 use lemons_core::plane::Vec2;
 use lemons_fmi::Answer;
 
@@ -51,7 +50,7 @@ impl Decision {
     /// Decides who stands, unless that was done at these poses.
     pub(super) fn decide_legs(&mut self, balance: &BalanceModel) {
         if self.legs.is_none() {
-            if !self.plan.groups.is_empty() {
+            if !self.plan.groups.is_empty() || self.plan.counts() {
                 self.find_aims();
             }
             self.legs = Some((0..self.agents.len()).map(|i| self.decided_legs(i, balance)).collect());
@@ -60,7 +59,7 @@ impl Decision {
 
     /// Returns the legs of an agent that has not left: whether it stands follows from where it wants to go.
     fn decided_legs(&mut self, i: usize, balance: &BalanceModel) -> Option<Legs> {
-        if self.arrival(i) == Some(Arrival::Leaves) {
+        if self.is_away(i) {
             return None;
         }
         let wants = self.intent(i).speed > STILL;

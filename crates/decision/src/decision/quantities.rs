@@ -69,7 +69,8 @@ pub static QUANTITIES: [Variable<DecisionQuantity>; 27] = {
         row(Velocity, "Velocity", VECTORS, Real(VELOCITY)).input("velocity along x and y"),
         row(Fp, "Fp", VECTORS, Real(FORCE)).calculated("propulsion force along x and y"),
         row(Mp, "Mp", AGENTS, Real(TORQUE)).calculated("propulsion torque"),
-        row(Active, "Active", AGENTS, Boolean).calculated("whether it is there: it has not left by an exit"),
+        row(Active, "Active", AGENTS, Boolean)
+            .calculated("whether it is there: it has come, and has not left by an exit"),
         row(NextWaypoint, "NextWaypoint", AGENTS, Integer)
             .calculated("which way-point it walks to; their number after the last one"),
         row(Legs, "Legs", VECTORS, Real(POSITION)).calculated("x and y of the middle of the feet"),
@@ -210,8 +211,9 @@ impl Decision {
 
     /// Returns whether an output depends on the inputs of all agents.
     fn needs_all(&self, output: DecisionQuantity) -> bool {
-        let groups = !self.plan.groups.is_empty();
+        let groups = !self.plan.groups.is_empty() || self.plan.counts();
         match output {
+            DecisionQuantity::Active => self.plan.counts(),
             DecisionQuantity::Fp => {
                 groups || self.plan.walking_model.sees_others() || self.plan.queue.is_some()
             }

@@ -118,8 +118,9 @@ pub(super) fn check_targets(targets: &[Target], time_step: f64) -> Result<(), Pl
         if target.corners.len() < 2 {
             return Err(PlanError::LineOrPolygon { place });
         }
-        if target.stay && target.open.is_some() {
-            return Err(PlanError::OpenGoal { place });
+        if target.stay && (target.open.is_some() || target.most.is_some()) {
+            let key = if target.open.is_some() { "open" } else { "most" };
+            return Err(PlanError::OpenGoal { place, key });
         }
         if let Some(value) = target.open.as_ref().and_then(|open| open.shorter_than(time_step)) {
             let (value, step) = (format!("{value:?}"), time_step.to_string());

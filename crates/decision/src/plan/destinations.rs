@@ -17,7 +17,7 @@ pub(super) fn targets_of(config: &DecisionConfig) -> Result<Vec<Target>, PlanErr
     let kinds = [("exit", "exits", &config.exits, false), ("goal", "goals", &config.goals, true)];
     for (kind, key, wanted, stay) in kinds {
         for (k, config) in wanted.iter().flatten().enumerate() {
-            let TargetConfig { name, line, polygon, share, open, time_factor } = config;
+            let TargetConfig { name, line, polygon, share, open, most, time_factor } = config;
             let place = format!("{key}[{k}]");
             let name = name.clone().unwrap_or_else(|| format!("{kind} {k}"));
             let corners = match (line, polygon) {
@@ -39,7 +39,7 @@ pub(super) fn targets_of(config: &DecisionConfig) -> Result<Vec<Target>, PlanErr
                 return Err(PlanError::SameName { place, name });
             }
             let (open, time_factor) = (open.clone(), time_factor.unwrap_or(1.0));
-            targets.push(Target { name, stay, corners, open, time_factor });
+            targets.push(Target { name, stay, corners, open, most: *most, time_factor });
         }
     }
     Ok(targets)

@@ -6,7 +6,7 @@ use crate::error::{MOST_MEMBERS, PlanError, not_negative, number, positive};
 use crate::stuck::{draw, share};
 use lemons_core::plane::{InPlane, Vec2};
 use lemons_core::trial::{Agent, AgentDynamics, Trial, Wall};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Relative numbers of groups of two, three and four: those of a Poisson distribution with a mean of 1.
 const USUAL_SIZES: [f64; 3] = [12.0, 4.0, 1.0];
@@ -21,6 +21,9 @@ pub(super) fn groups(trial: &Trial, config: &DecisionConfig) -> Result<Vec<Vec<u
     let Some(wanted) = &config.groups else { return Ok(Vec::new()) };
     let people = &trial.agents;
     let mut free = vec![true; people.len()];
+    // Who comes later is near nobody.
+    let late: HashSet<&String> = config.sources.iter().flat_map(|source| &source.people).collect();
+    free.iter_mut().zip(people).for_each(|(free, person)| *free &= !late.contains(&person.id));
     let mut groups = configured(wanted, people, &mut free)?;
     let part = wanted.share.unwrap_or(0.0);
     number("groups", "share", part, |part| (0.0..=1.0).contains(&part), "from 0 to 1")?;
@@ -93,7 +96,7 @@ fn configured(
         let i = places.get(&**id).copied();
         let i = i.ok_or_else(|| error("there is no agent with this Id"))?;
         if !std::mem::replace(&mut free[i], false) {
-            return Err(error("is in a group already"));
+            return Err(error("is in a group already, or comes later (`sources`)"));
         }
         Ok(i)
     };

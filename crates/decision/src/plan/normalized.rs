@@ -32,7 +32,7 @@ pub fn normalized(trial: &Trial, config: &DecisionConfig) -> Result<DecisionConf
     let walls: Vec<Vec<Vec2>> = trial.geometry.fixed_walls().map(|wall| wall.corners.clone()).collect();
     let places = || trial.dynamics.iter().map(|own| own.position);
     let all = places().flat_map(|at| (0..targets.len()).map(move |target| (at, Destination::Target(target))));
-    let ways = Ways::new(&walls, &targets, all)?;
+    let ways = Ways::new(&walls, &trial.geometry.links, &targets, all)?;
     for (person, at) in trial.agents.iter().zip(places()) {
         let far = |target: usize| ways.distance(Destination::Target(target), at);
         let nearest = (0..targets.len()).min_by(|a, b| far(*a).total_cmp(&far(*b)));

@@ -71,6 +71,33 @@ fn who_is_pushed_may_have_legs() {
     assert!(String::from_utf8(svg).unwrap().contains("class=\"leans\""));
 }
 
+/// Pages draw whose place is a number, and count as left whose place is none, and whose velocity is one.
+#[test]
+fn who_comes_later_has_no_place_and_has_not_left() {
+    let text = "box = [6, 4]\nnumber = 2\ndoors = [[6, 2, 1]]\nleave = true\ntime_step = 0.05\n\
+                [[sources]]\nline = [[1, 1], [1, 3]]\ntimes = [1, 2]\n";
+    let mut lab = Lab::default();
+    let text = text.as_bytes();
+    let (shown, first) = ok_of(&mut lab, opened("arrive.toml", text), text);
+    assert_eq!(
+        (shown["scene"]["leaving"].as_u64(), shown["scene"]["overlapping"].clone()),
+        (Some(4), json!([]))
+    );
+    let (_, frames) = ok(&mut lab, advance(1, 400));
+    let all = [numbers(&first), numbers(&frames)].concat();
+    let counts = |frame: &[f64]| {
+        let people = frame.chunks(COLUMNS);
+        let outside = people.clone().filter(|of| of[0].is_nan() && of[3].is_nan()).count();
+        (outside, people.clone().filter(|of| !of[0].is_nan()).count(), people.len())
+    };
+    let counts: Vec<_> = all.chunks(4 * COLUMNS).map(counts).collect();
+    // A frame is at the end of its step.
+    let at = |time: f64| counts[(time / 0.05).round() as usize];
+    assert_eq!([at(0.0), at(1.0), at(1.05), at(2.05)].map(|of| of.0), [2, 2, 1, 0]);
+    let left: Vec<usize> = counts.iter().map(|(outside, there, all)| all - outside - there).collect();
+    assert!(left.is_sorted() && left[0] == 0 && *left.last().unwrap() == 4, "{left:?}");
+}
+
 #[test]
 fn people_walk_to_the_nearer_way_and_arrive() {
     let mut lab = Lab::default();

@@ -204,6 +204,7 @@ impl FloorPlan {
         Geometry {
             dimensions: self.bounds().map(|bounds| bounds.size()),
             walls: self.walls.iter().enumerate().map(wall).collect(),
+            ..Geometry::default()
         }
     }
 

@@ -150,7 +150,7 @@ mod tests {
 
     fn part(outer: &[(f64, f64)], walls: Vec<Wall>) -> Result<FreeSpace> {
         let outer: Vec<Vec2> = outer.iter().map(|&(x, y)| vec2(x, y)).collect();
-        Region::free_space(&outer, &Geometry { dimensions: None, walls }, &[])
+        Region::free_space(&outer, &Geometry { walls, ..Geometry::default() }, &[])
     }
 
     const BOX: [(f64, f64); 4] = [(0.0, 0.0), (8.0, 0.0), (8.0, 6.0), (0.0, 6.0)];
@@ -238,7 +238,7 @@ mod tests {
     fn earlier_ground_is_not_shared() {
         let first = Region::rectangle(vec2(6.0, -1.0), vec2(9.0, 9.0)).unwrap();
         let outer: Vec<Vec2> = BOX.iter().map(|&(x, y)| vec2(x, y)).collect();
-        let open = Geometry { dimensions: None, walls: vec![] };
+        let open = Geometry::default();
         let free = Region::free_space(&outer, &open, &[first]).unwrap();
         assert!((free.region.area() - 36.0).abs() < 1e-6);
         let all = Region::rectangle(vec2(-1.0, -1.0), vec2(9.0, 9.0)).unwrap();

@@ -35,7 +35,7 @@ pub fn trial(agents: Vec<(Agent, Vec2, f64)>, walls: Vec<Vec<Vec2>>) -> Trial {
         directory: PathBuf::new(),
         parameters: Parameters::default(),
         materials: Materials { intrinsic: vec![], binary: vec![] },
-        geometry: Geometry { dimensions: None, walls: walls.into_iter().map(wall).collect() },
+        geometry: Geometry { walls: walls.into_iter().map(wall).collect(), ..Geometry::default() },
         dynamics: agents.iter().map(dynamics).collect(),
         agents: agents.into_iter().map(|a| a.0).collect(),
         interactions: Interactions::default(),

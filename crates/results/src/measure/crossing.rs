@@ -23,6 +23,16 @@ pub enum Way {
     Left,
 }
 
+/// \[m\], \[m/s\] Who was both further away and faster than this did not walk: floors lie beside each other in a plan.
+const WALKED: (f64, f64) = (1.0, 10.0);
+
+/// Returns whether somebody may have walked from one place to another \[m\] within a duration \[s\], and was not carried
+/// over a link.
+pub fn is_walked(from: Vec2, to: Vec2, duration: f64) -> bool {
+    let way = (to - from).norm();
+    way <= WALKED.0 || way <= WALKED.1 * duration
+}
+
 impl Way {
     /// Both.
     pub const ALL: [Way; 2] = [Way::Right, Way::Left];

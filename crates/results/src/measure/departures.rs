@@ -43,11 +43,12 @@ impl Departures {
         Departures { unseen: false, ..Departures::of(people) }
     }
 
-    /// Adds the next frame. Who comes back has not left.
+    /// Adds the next frame. Who comes, or comes back, has not left.
     pub fn add(&mut self, frame: &Frame) {
         self.known |= frame.active.is_some();
         for (place, gone) in self.times.iter_mut().enumerate() {
-            *gone = if frame.is_there(place) { None } else { gone.or(Some(frame.time)) };
+            let here = frame.is_there(place) || frame.is_outside(place);
+            *gone = if here { None } else { gone.or(Some(frame.time)) };
         }
         for (place, agent) in frame.present() {
             self.places[place] = Some(agent.pose.position);

@@ -12,6 +12,9 @@ const REACH: f64 = 5.0;
 /// \[m\] Who gets no further than this from a place waits there.
 pub const WAITING: f64 = 1.0;
 
+/// \[m\] Place of who has not come yet. While somebody is there, no standstill ends a run.
+pub const OUTSIDE: Vec2 = vec2(f64::INFINITY, f64::INFINITY);
+
 /// Why such a run is over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Over {
@@ -64,7 +67,7 @@ impl Leaving {
         }
     }
 
-    /// Sees at a time \[s\] where everybody is \[m\]; `None` of those who have left.
+    /// Sees at a time \[s\] where everybody is \[m\], or [`OUTSIDE`]; `None` of those who have left.
     pub fn see(&mut self, time: f64, places: &[Option<Vec2>]) -> Option<Over> {
         self.left = places.iter().filter(|place| place.is_none()).count();
         let stays = |(was, is): (&Option<Vec2>, &Option<Vec2>)| match (was, is) {
@@ -75,7 +78,9 @@ impl Leaving {
             (self.since, self.places) = (time, places.to_vec());
         }
         self.waits.resize(places.len(), (vec2(f64::INFINITY, 0.0), time));
-        for (agent, at) in places.iter().enumerate().filter_map(|(agent, at)| Some((agent, (*at)?))) {
+        let inside = |at: &Vec2| *at != OUTSIDE;
+        let there = places.iter().enumerate().filter_map(|(agent, at)| Some((agent, at.filter(inside)?)));
+        for (agent, at) in there {
             let (place, from) = &mut self.waits[agent];
             if (at - *place).norm() > WAITING {
                 (*place, *from) = (at, time);

@@ -1,7 +1,7 @@
 //! People who have crossed a line so far.
 
 use crate::Frame;
-use crate::measure::crossing::{CountingLine, Crossing, Way};
+use crate::measure::crossing::{CountingLine, Crossing, Way, is_walked};
 use crate::measure::present;
 use lemons_core::plane::Vec2;
 
@@ -43,6 +43,7 @@ impl Passages {
         for (agent, person) in self.people.iter_mut().enumerate() {
             let place = present(frame, agent).map(|motion| motion.pose.position);
             if let (Some(from), Some(to)) = (person.place, place)
+                && is_walked(from, to, frame.time - before)
                 && let Some(Crossing { way, part }) = line.crossing(from, to)
             {
                 person.crossed[way as usize].push(before + part * (frame.time - before));

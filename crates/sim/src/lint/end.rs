@@ -5,6 +5,7 @@ use lemons_core::plane::Vec2;
 use lemons_core::rule::sentences::*;
 use lemons_core::trial::{Problem, Rule};
 use lemons_decision::Plan;
+use lemons_decision::source::Source;
 use lemons_decision::target::nearest_exit;
 use lemons_results::Frame;
 use lemons_results::columns::Effect;
@@ -15,6 +16,9 @@ const STUCK: f64 = 0.1;
 /// Ratio and difference \[s\] of the times of the last departures by two exits: from these on, they are uneven.
 const UNEVEN: (f64, f64) = (1.5, 10.0);
 
+/// \[s\] Who comes later than this after being due has found no room.
+const LATE: f64 = 1.0;
+
 /// End of a run: it sees the frames of all communication points.
 #[derive(Debug, Default)]
 pub struct RunEnd {
@@ -22,6 +26,8 @@ pub struct RunEnd {
     pub last: Frame,
     /// \[s\] and \[m\] When and where people have left since the first frame.
     pub departures: Vec<(f64, Vec2)>,
+    /// \[s\] When people have come since then, and their places in the crowd.
+    pub arrivals: Vec<(f64, usize)>,
 }
 
 impl RunEnd {
@@ -30,6 +36,8 @@ impl RunEnd {
         let before = std::mem::replace(&mut self.last, frame);
         let now = &self.last;
         let gone = (0..before.agents.len()).filter(|k| before.is_there(*k) && !now.is_there(*k));
+        let come = (0..before.agents.len()).filter(|k| !before.is_there(*k) && now.is_there(*k));
+        self.arrivals.extend(come.map(|k| (before.time, k)));
         self.departures.extend(gone.map(|k| (now.time, now.agents[k].pose.position)));
     }
 
@@ -38,14 +46,30 @@ impl RunEnd {
     pub fn findings(&self, plan: &Plan, forces: Option<&[Vec2]>, whole: bool) -> Vec<Problem> {
         let stuck = forces.and_then(|forces| self.stuck(plan, forces)).map(|message| (Rule::Stuck, message));
         let uneven = self.uneven(plan).filter(|_| whole).map(|message| (Rule::Uneven, message));
-        let all = stuck.into_iter().chain(uneven);
+        let waited = plan.sources.iter().filter(|_| whole).filter_map(|source| self.waited(source));
+        let waited = waited.map(|message| (Rule::NoRoom, message));
+        let all = stuck.into_iter().chain(uneven).chain(waited);
         all.map(|(rule, message)| Problem::by(rule, Path::new(""), message)).collect()
+    }
+
+    /// Finds that people of a source came late. Who is due comes within two steps.
+    fn waited(&self, source: &Source) -> Option<Message> {
+        let is_of_it = |k: &usize| source.people.iter().any(|(i, _)| i == k);
+        let came = self.arrivals.iter().filter(|(_, k)| is_of_it(k)).map(|(time, _)| *time);
+        let due = source.due(self.last.time - LATE);
+        let waits = source.times[..due].iter().zip(came.chain(std::iter::repeat(self.last.time)));
+        let waits = waits.map(|(due, came)| came - due).filter(|wait| *wait > LATE);
+        let (count, longest) =
+            waits.fold((0_usize, 0.0), |(count, most), wait| (count + 1, f64::max(most, wait)));
+        let still = due.saturating_sub(self.arrivals.iter().filter(|(_, k)| is_of_it(k)).count());
+        let still = (still > 0).then(|| message!(STILL_OUTSIDE, count = still));
+        (count > 0).then(|| message!(WAITED, source = &source.name, count, longest, still))
     }
 
     /// Finds that the last person left by one exit much later than by another, or nobody by that.
     fn uneven(&self, plan: &Plan) -> Option<Message> {
         // Those that are closed at times are used unevenly.
-        if plan.targets.iter().any(|exit| exit.open.is_some()) {
+        if plan.targets.iter().any(|exit| exit.open.is_some() || exit.most.is_some()) {
             return None;
         }
         // \[s\] With the names; 0 where nobody has left.

@@ -212,7 +212,7 @@ mod tests {
         };
         let rooms = [[0.0, 0.0, 5.0, 5.0], [10.0, 0.0, 15.0, 5.0], [2.0, 2.0, 3.0, 3.0]];
         let walls = ["a", "b", "pillar"].iter().zip(rooms).map(|(id, sides)| rectangle(id, sides)).collect();
-        let geometry = Geometry { dimensions: None, walls };
+        let geometry = Geometry { walls, ..Geometry::default() };
         let person = |x: &f64| {
             let agent = Agent::new(x.to_string(), 80.0, 1.5, [2.0, 4.0]).with_disks(&[[0.0, 0.0, 0.12]]);
             (agent, AgentDynamics { position: vec2(*x, 1.0), ..AgentDynamics::default() })

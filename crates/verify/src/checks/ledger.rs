@@ -3,6 +3,8 @@
 use crate::checks::{Figure, Halved, Result, halved, shortfall};
 use crowd_mechanics::engine::*;
 use crowd_mechanics::scenes::*;
+use lemons_core::plane::Ring;
+use lemons_core::trial::{Ground, Incline};
 use std::collections::HashMap;
 
 pub(crate) const FIGURES: &[Figure] = &[
@@ -12,6 +14,8 @@ pub(crate) const FIGURES: &[Figure] = &[
     || Ok(shortfall(&remainders(passing)?, 1.0)),
     || remainder(wheels),
     || Ok(shortfall(&remainders(wheels)?, 2.0)),
+    || remainder(slope),
+    || Ok(shortfall(&remainders(slope)?, 2.0)),
 ];
 
 /// Makes a world with this mechanical step \[s\].
@@ -45,13 +49,31 @@ fn wheels(mechanical_step: f64) -> World {
     world
 }
 
-/// Powers \[W\] at an instant: of the drive, lost to the floor, lost in the dashpots.
+/// The first case on a slope of 25°, of which feet hold a fifth.
+fn slope(mechanical_step: f64) -> World {
+    let level = lasting(mechanical_step);
+    let corners = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)].map(|(x, y)| vec2(x, y));
+    let ground = Ground {
+        id: String::new(),
+        area: Ring::through(corners.to_vec()).expect("four corners"),
+        downhill: 1.0,
+        incline: Incline::Slope { angle: 25f64.to_radians(), held: 0.2 },
+        speeds: [None; 2],
+    };
+    let scene = level.scene().clone().with_grounds(&[ground]);
+    let mut world = World::new(scene, level.state().clone(), mechanical_step).expect("few bodies");
+    world.drive.clone_from(&level.drive);
+    world
+}
+
+/// Powers \[W\] at an instant: of the drive and of slopes, lost to the floor, lost in the dashpots.
 fn powers(world: &World) -> [f64; 3] {
     let scene = world.scene();
     let [mut drive, mut floor, mut damping] = [0.0; 3];
     for ((body, motion), wrench) in scene.bodies.iter().zip(motions(world)).zip(&world.drive) {
         let (v, w) = (motion.twist.velocity, motion.twist.angular_velocity);
         drive += wrench.force.dot(&v) + wrench.torque * w;
+        drive += scene.pull(motion.pose.position).dot(&v) * body.mass;
         floor -= body.by_floor(motion.pose.orientation, v).dot(&v) * body.mass;
         floor += body.rotation_rate * body.inertia * w * w;
     }

@@ -42,8 +42,11 @@ fn what_is_written_is_read_back() {
 fn well_known(walls: &[Vec<Vec2>]) -> String {
     let wall = |(id, wall): (usize, &Vec<Vec2>)| Wall::new(id.to_string(), "wood", wall.clone());
     let walls = walls.iter().enumerate().map(wall).collect();
-    write_plan(&FloorPlan::of_geometry(&Geometry { dimensions: None, walls }, Vec::new()), DrawingFormat::Wkt)
-        .unwrap()
+    write_plan(
+        &FloorPlan::of_geometry(&Geometry { walls, ..Geometry::default() }, Vec::new()),
+        DrawingFormat::Wkt,
+    )
+    .unwrap()
 }
 
 /// Walls of closed rooms that meet are there as often as before, and so is the ground of the largest.

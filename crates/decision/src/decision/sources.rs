@@ -1,0 +1,59 @@
+//! Who comes later, and when there is room.
+
+use super::Decision;
+use crate::plan::Plan;
+use crate::source::{ASKED, Body, is_free};
+use lemons_core::plane::{Pose, Vec2};
+use lemons_fmi::Answer;
+
+impl Decision {
+    /// Lets those in who are due after a step \[s\] and find room, source after source. Of a source, those who have not come are
+    /// asked in their order. Returns whether somebody comes.
+    pub(super) fn let_in(&mut self, step: f64) -> bool {
+        let mut new = Vec::new();
+        for source in &self.plan.sources {
+            let came = source.people.iter().filter(|(i, _)| self.agents[*i].came).count();
+            let mut due = source.due(self.time + step).saturating_sub(came);
+            let wait = source.people.iter().filter(|(i, _)| !self.agents[*i].came).take(ASKED);
+            for &(i, velocity) in wait {
+                if due > 0 && self.has_room(i, &new, step) {
+                    new.push((i, velocity));
+                    due -= 1;
+                }
+            }
+        }
+        for &(i, velocity) in &new {
+            (self.agents[i].came, self.agents[i].velocity) = (true, velocity);
+        }
+        !new.is_empty()
+    }
+
+    /// Returns whether somebody touches no wall and nobody at its place after a step \[s\]; others come, too.
+    fn has_room(&self, i: usize, new: &[(usize, Vec2)], step: f64) -> bool {
+        let body = |i: usize, pose: Pose| -> Body<'_> {
+            (&self.plan.agents[i].disks, pose, self.agents[i].velocity)
+        };
+        let there = (0..self.agents.len()).filter(|j| self.agents[*j].came && !self.agents[*j].left);
+        let there = there.chain(new.iter().map(|(j, _)| *j));
+        let closed = self.plan.doors.iter().filter(|door| !door.is_open(self.time + step));
+        let walls = self.faces.iter().copied().chain(closed.flat_map(|door| door.sides()));
+        let others = there.map(|j| body(j, self.agents[j].pose));
+        is_free(&body(i, self.agents[i].pose), walls, others, step)
+    }
+
+    /// Returns with which velocity \[m/s\] and orientation \[rad\] everybody of a plan would walk alone at its place at 0 s;
+    /// `None` of who would stand.
+    ///
+    /// # Errors
+    /// No ways to exits and goals can be found.
+    pub fn velocities(plan: Plan) -> Answer<Vec<Option<(Vec2, f64)>>> {
+        let mut decision = Decision::new(plan);
+        for agent in &mut decision.agents {
+            (agent.came, agent.walker.start) = (true, 0.0);
+        }
+        decision.find_ways()?;
+        let motion = |(way, speed): (Vec2, f64)| (way * speed, libm::atan2(way.y, way.x));
+        let goes = |i: usize| decision.find_aim(i).goes.map(motion);
+        Ok((0..decision.agents.len()).map(goes).collect())
+    }
+}

@@ -1,0 +1,167 @@
+//! People who are not there at the start: they come, one after the other, where there is room.
+
+use crate::error::{PlanError, moderate, number};
+use crate::stuck::share;
+use lemons_core::plane::{Pose, Vec2, nearest_on_segment, rotation, vec2};
+use lemons_core::trial::Trial;
+use serde::{Deserialize, Serialize};
+use std::collections::{HashMap, HashSet};
+
+/// \[m/s\] By so much others may become faster, or turn, within the step before somebody comes.
+const SPARE_SPEED: f64 = 1.0;
+/// People of a source who are asked in a step whether there is room for them.
+pub(crate) const ASKED: usize = 20;
+
+/// A source: people who come by one way into the room. One of `rate`, `every` and `times`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SourceConfig {
+    /// As messages name it.
+    pub name: Option<String>,
+    /// Ids of its people, who come in this order if there is room for each.
+    pub people: Vec<String>,
+    /// \[1/s\] Mean number per time, of independent arrivals.
+    pub rate: Option<f64>,
+    /// \[s\] Time between two arrivals; the first one is at the start.
+    pub every: Option<f64>,
+    /// \[s\] When somebody comes, in order.
+    pub times: Option<Vec<f64>>,
+    /// \[s\] From when on people come, by `rate` or `every`.
+    pub start: Option<f64>,
+}
+
+/// A source of a plan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    /// Name.
+    pub name: String,
+    /// Places of its people in `agents`, and the velocity \[m/s\] with which each comes.
+    pub people: Vec<(usize, Vec2)>,
+    /// \[s\] When one more is due, in order.
+    pub times: Vec<f64>,
+}
+
+impl Source {
+    /// Returns how many are due at a time \[s\]. A rounding error is not a time.
+    pub fn due(&self, time: f64) -> usize {
+        self.times.partition_point(|due| *due <= time + 1e-9)
+    }
+}
+
+impl SourceConfig {
+    /// Returns when so many people are due \[s\], in order; `number_of_it` is the place of the source, for the draws.
+    ///
+    /// # Errors
+    /// It says no time, or several, or one that is out of range.
+    pub fn due(
+        &self,
+        place: &str,
+        people: usize,
+        seed: u64,
+        number_of_it: usize,
+    ) -> Result<Vec<f64>, PlanError> {
+        let start = self.start.unwrap_or(0.0);
+        moderate(place, "start", start)?;
+        let mut time = start;
+        let all: Vec<f64> = match (self.rate, self.every, &self.times) {
+            (Some(rate), None, None) => {
+                let must = "from 1e-6 to 1000 people per s";
+                number(place, "rate", rate, |rate| (1e-6..=1e3).contains(&rate), must)?;
+                let draws = u64::MAX - 16 - number_of_it as u64;
+                let next = |k| {
+                    time -= libm::log1p(-share(seed, draws, k)) / rate;
+                    time
+                };
+                (0..people as u64).map(next).collect()
+            }
+            (None, Some(every), None) => {
+                number(place, "every", every, |every| (1e-3..=1e6).contains(&every), "from 0.001 to 1e6 s")?;
+                (0..people).map(|k| start + k as f64 * every).collect()
+            }
+            (None, None, Some(times)) if self.start.is_none() => {
+                times.iter().try_for_each(|time| moderate(place, "times", *time))?;
+                let wrong = |value, must| {
+                    Err(PlanError::Value { place: place.to_owned(), key: "times", value, must })
+                };
+                if let Some(pair) = times.windows(2).find(|pair| pair[1] < pair[0]) {
+                    return wrong(format!("{pair:?}"), "in order");
+                }
+                if times.len() < people {
+                    let must = "as many as there are people, or more";
+                    return wrong(format!("{} times for {people} people", times.len()), must);
+                }
+                times[..people].to_vec()
+            }
+            _ => return Err(PlanError::WhenOfSource { place: place.to_owned() }),
+        };
+        all.last().map_or(Ok(()), |last| moderate(place, "the last arrival", *last))?;
+        Ok(all)
+    }
+}
+
+/// Returns the sources of a plan for the people of a Trial.
+///
+/// # Errors
+/// Names or people are there twice, or are not known; or times are not possible.
+pub(crate) fn sources(trial: &Trial, all: &[SourceConfig], seed: u64) -> Result<Vec<Source>, PlanError> {
+    let places: HashMap<&str, usize> =
+        trial.agents.iter().enumerate().map(|(i, agent)| (&*agent.id, i)).collect();
+    let (mut taken, mut names) = (HashSet::new(), HashSet::new());
+    let mut made = Vec::new();
+    for (k, config) in all.iter().enumerate() {
+        let (place, name) = (format!("sources[{k}]"), config.name.clone().unwrap_or(format!("source {k}")));
+        let person = |id: &String| {
+            let error = |problem| PlanError::OfSource { place: place.clone(), id: id.clone(), problem };
+            let i = *places.get(&**id).ok_or_else(|| error("there is no agent with this Id"))?;
+            let own = &trial.dynamics[i];
+            taken.insert(i).then_some((i, own.velocity)).ok_or_else(|| error("comes twice"))
+        };
+        let people = config.people.iter().map(person).collect::<Result<Vec<_>, _>>()?;
+        let times = config.due(&place, people.len(), seed, k)?;
+        if !names.insert(name.clone()) {
+            return Err(PlanError::SameSource { place, name });
+        }
+        made.push(Source { name, people, times });
+    }
+    // Who is not there, and of no source, never comes.
+    let all = trial.dynamics.iter().enumerate().filter(|(i, own)| own.absent && !taken.contains(i));
+    let people: Vec<_> = all.map(|(i, own)| (i, own.velocity)).collect();
+    if !people.is_empty() {
+        made.push(Source { name: String::new(), people, times: Vec::new() });
+    }
+    Ok(made)
+}
+
+/// Somebody who is there: outline as disks x, y, radius \[m\] that face along x, pose, and velocity \[m/s\].
+pub(crate) type Body<'a> = (&'a [[f64; 3]], Pose, Vec2);
+
+/// \[m\] How far a body reaches from its centre of mass.
+pub(crate) fn reach(disks: &[[f64; 3]]) -> f64 {
+    disks.iter().map(|&[x, y, radius]| vec2(x, y).norm() + radius).fold(0.0, f64::max)
+}
+
+fn placed<'a>((disks, pose, _): &Body<'a>) -> impl Iterator<Item = (Vec2, f64)> + Clone + use<'a> {
+    let (turn, at) = (rotation(pose.orientation), pose.position);
+    disks.iter().map(move |&[x, y, radius]| (at + turn * vec2(x, y), radius))
+}
+
+/// Returns whether a body touches no wall, and touches nobody for one more step \[s\], in which all move on.
+pub(crate) fn is_free<'a>(
+    body: &Body<'a>,
+    mut walls: impl Iterator<Item = [Vec2; 2]>,
+    mut others: impl Iterator<Item = Body<'a>>,
+    step: f64,
+) -> bool {
+    let own: Vec<(Vec2, f64)> = placed(body).collect();
+    let clear =
+        |(at, radius): &(Vec2, f64), [a, b]: [Vec2; 2]| (nearest_on_segment(a, b, *at) - at).norm() > *radius;
+    let is_clear = |other: Body<'a>| {
+        let spare = (other.2.norm() + SPARE_SPEED) * step;
+        let apart = (other.1.position - body.1.position).norm();
+        apart > reach(body.0) + reach(other.0) + spare
+            || placed(&other).all(|(there, theirs)| {
+                own.iter().all(|(at, radius)| (there - at).norm() > radius + theirs + spare)
+            })
+    };
+    walls.all(|wall| own.iter().all(|disk| clear(disk, wall))) && others.all(is_clear)
+}
