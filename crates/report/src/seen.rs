@@ -2,7 +2,7 @@
 
 use crate::ReportError;
 use lemons_core::message::Message;
-use lemons_core::plane::{Bounds, Pose, Vec2};
+use lemons_core::plane::{Bounds, Pose, Vec2, vec2};
 use lemons_core::trial::{PanelChoice, Trial, Wall};
 use lemons_decision::Plan;
 use lemons_decision::target::nearest_exit;
@@ -24,6 +24,9 @@ pub const LIMIT: (f64, f64) = (623.0, 1.0);
 pub(crate) const SAMPLE: f64 = 1.0;
 /// Times are sums of steps.
 const ROUNDING: f64 = 1e-9;
+
+/// Pose of who is not there.
+const NOWHERE: Pose = Pose { position: vec2(f64::NAN, f64::NAN), orientation: 0.0 };
 
 /// How runs are made and measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,6 +117,9 @@ impl RunSeen {
         let mut scene = PictureScene::at_start(&self.trial);
         scene.marks = marks(self.plan.as_ref());
         scene.view = Some(self.density.view());
+        // Who comes later is not there at the start.
+        let later = self.trial.dynamics.iter().zip(&mut scene.poses).filter(|(own, _)| own.absent);
+        later.for_each(|(_, pose)| *pose = NOWHERE);
         scene.poses = poses.unwrap_or(scene.poses);
         scene
     }
@@ -228,10 +234,9 @@ impl Seeing {
     }
 
     fn see(&mut self, frame: Frame) {
-        let nowhere = Pose { position: Vec2::new(f64::NAN, f64::NAN), orientation: 0.0 };
         let there = |agent: usize| frame.is_there(agent);
         let poses = || -> Vec<Pose> {
-            let pose = |agent: usize| if there(agent) { frame.agents[agent].pose } else { nowhere };
+            let pose = |agent: usize| if there(agent) { frame.agents[agent].pose } else { NOWHERE };
             (0..frame.agents.len()).map(pose).collect()
         };
         self.exposure.see(&frame, None);
