@@ -5,7 +5,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 target=wasm32-unknown-unknown
 directory=${CARGO_TARGET_DIR:-target/wasm}
-packages=(lemons-core crowd-mechanics lemons-people lemons-scenario lemons-picture lemons-results lemons-decision lemons-sim lemons-lab)
+packages=(lemons-core crowd-mechanics lemons-people lemons-scenario lemons-picture lemons-results lemons-decision lemons-sim lemons-report lemons-lab)
 
 compile_wasm --target-dir "$directory" "${packages[@]/#/-p}"
 

@@ -33,6 +33,7 @@ const DOING: Record<Request["ask"], string> = {
     limit: t("The time above a limit is counted"),
     sections: t("Bodies are cut"),
     bodies: t("Bodies are made"),
+    report: t("The report is made"),
     take: t("The file is made"),
 };
 

@@ -24,6 +24,9 @@ export type BicycleMeasure = { name: string, unit: string, value: number, };
 /** A bicycle: rectangles [m], and measures. */
 export type BicycleShown = { rectangles: Array<[[number, number], [number, number], [number, number], [number, number]]>, measures: Array<BicycleMeasure>, };
 
+/** A part of a section. */
+export type Block = { "kind": "text", text: Message, } | { "kind": "list", items: Message[], } | { "kind": "table", caption: Message, head: Message[], rows: Message[][], numbers: Array<boolean>, } | { "kind": "picture", caption: Message, svg: string, };
+
 /** Everybody's surface: numbers of vertices and triangles of each. */
 export type Bodies = { agents: Array<[number, number]>, things: Array<[number, number]>, estimated: boolean, without: number, };
 
@@ -162,9 +165,12 @@ export type Quantity = "density" | "squeeze";
 /** A part of the ground, and how many people stand there. */
 export type RegionForm = { corners: Array<Pair>, number: number | null, density: number | null, };
 
+/** A report: sections in their order. */
+export type Report = { title: string, notices: Message[], sections: Array<Section>, };
+
 /** A request of a page. `run` is the number of the run that is meant: a page may still ask about one that another has
  * replaced. Places are in m, angles in rad. */
-export type Request = { "ask": "person" } & PersonRequest | { "ask": "body" } & PersonRequest | { "ask": "bicycle", } | { "ask": "kinds", } | { "ask": "show" } & Shown | { "ask": "room" } & RoomRequest | { "ask": "drawing" } & DrawingRequest | { "ask": "overlaps", run: number, agent: number, x: number, y: number, theta: number, } | { "ask": "advance", run: number, steps: number, } | { "ask": "forces", run: number, time: number, } | { "ask": "flow", run: number, line: [[number, number], [number, number]], } | { "ask": "map", run: number, of: Quantity, fresh: boolean, } | { "ask": "limit" } & LimitRequest | { "ask": "sections", run: number, altitude: number, } | { "ask": "bodies", run: number, } | { "ask": "take", run: number, wanted: FileRequest, };
+export type Request = { "ask": "person" } & PersonRequest | { "ask": "body" } & PersonRequest | { "ask": "bicycle", } | { "ask": "kinds", } | { "ask": "show" } & Shown | { "ask": "room" } & RoomRequest | { "ask": "drawing" } & DrawingRequest | { "ask": "overlaps", run: number, agent: number, x: number, y: number, theta: number, } | { "ask": "advance", run: number, steps: number, } | { "ask": "forces", run: number, time: number, } | { "ask": "flow", run: number, line: [[number, number], [number, number]], } | { "ask": "map", run: number, of: Quantity, fresh: boolean, } | { "ask": "limit" } & LimitRequest | { "ask": "sections", run: number, altitude: number, } | { "ask": "bodies", run: number, } | { "ask": "report", run: number, until: number, limit: [number, number], } | { "ask": "take", run: number, wanted: FileRequest, };
 
 /** A room. Outlines may go round in either direction. */
 export type Room = { outline: Array<[number, number]>, obstacles: Array<Array<[number, number]>>, walls?: Array<Further>, doors: Array<Door>, };
@@ -183,6 +189,9 @@ export type Scenario = { box: Pair | null, geometry: string | null, drawing: Dra
 
 /** A scene. */
 export type Scene = { run: number, name: string, agents: Array<AgentShown>, kinds: { [key in string]: Array<string> }, walls: Array<WallShown>, grounds: Array<Array<[number, number]>>, links: Array<Array<[number, number]>>, step: number, mechanical_step: number, stable: number | null, longest: number | null, advised: number | null, error: number | null, warnings: Array<Message>, materials: Array<Material2d>, contacts: Array<Contact<number>>, overlapping: Array<number>, overlap: number, pushed: Array<string>, walk: boolean, ways: Array<Array<Waypoint>>, targets: Array<Target>, leaving: number, beyond_doors: Array<[[number, number], [number, number]]>, people: Array<PersonDrawn | null> | null, };
+
+/** A section. */
+export type Section = { heading: Message, blocks: Array<Block>, };
 
 /** Everybody's section with a plane. */
 export type Sections = { altitude: number, bodies: Array<Array<Array<[number, number]>>>, cut: number, area: number, estimated: boolean, without: number, };

@@ -98,7 +98,13 @@ export function frameOf(other: Film, place: number, run: Film): number {
     return Math.min(run.frames.count - 1, (place * other.scene.step) / run.scene.step);
 }
 
-/** The map of the run that is kept. The lab of the page has another scene now: another lab makes it. */
+/** Shows the scene of a run to another lab: that of the page has another scene now. Returns the number of the run there. */
+export async function shownTo(client: Client, { made: { base, edits, mechanics, motion } }: Film): Promise<number> {
+    const [scene, bytes] = await sent(base);
+    return (await client.ask<Opened>({ ask: "show", ...scene, edits, mechanics, motion }, bytes)).value.scene.run;
+}
+
+/** The map of the run that is kept. */
 function useMap() {
     const [map, refused] = useMemo(() => [signal<ByPlace | null>(null), signal("")], []);
     const run = kept.value!.film;
@@ -107,12 +113,7 @@ function useMap() {
     useEffect(() => {
         if (!quantity) return;
         const client = new Client();
-        const begun = (async () => {
-            const { edits, mechanics, motion } = run.made;
-            const [scene, bytes] = await sent(run.made.base);
-            const { value } = await client.ask<Opened>({ ask: "show", ...scene, edits, mechanics, motion }, bytes);
-            map.value = new ByPlace(client, run, quantity, value.scene.run);
-        })();
+        const begun = shownTo(client, run).then((number) => void (map.value = new ByPlace(client, run, quantity, number)));
         // The picture is then without a map.
         begun.catch((error: Error) => error instanceof Stopped || (refused.value = error.message));
         const follow = effect(() => void map.value?.follow((void plan.value.smooth, void run.computed.value, plan.value.span)));

@@ -2,66 +2,49 @@
 
 import { effect, signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useEffect } from "preact/hooks";
-import { perExit } from "./csv";
-import { middleOf } from "./drawplaces";
+import { useEffect, useMemo } from "preact/hooks";
+import { Client } from "./client";
 import type { Film } from "./film";
 import { frictionOf } from "./forms";
-import { difference, differing, facts, kept, openWords } from "./kept";
+import { difference, differing, facts, kept, openWords, shownTo } from "./kept";
 import { count, inWords, t } from "./language";
-import { canvas } from "./layout";
 import { Squeeze } from "./legend";
-import { aboveLimit, framesOf } from "./limit";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
-import { brief, Button, digits, Facts, Field, length, named } from "./parts";
-import { compose, png } from "./picture";
+import { brief, Button, Facts, Field, length } from "./parts";
 import { change, link, type Made, NAME, plan, scene } from "./plan";
-import type { Point } from "./protocol";
-import { distance } from "./roomshape";
+import type { Block, Report as Told } from "./protocol";
 import { VERSION } from "./version";
 import { shape } from "./drawn";
 import { film } from "./session";
 import { SweepTable } from "./sweepform";
 import { type Sweep, sweep } from "./sweep";
 
-/** The picture of the report that is shown, as an address, and its time in s. */
-export const report = signal<{ picture: string; time: number } | null>(null);
+/** The report that is shown, and that of the run that is kept. */
+export const report = signal<{ own: Told; other: Told | null } | null>(null);
 
-// It has the picture of one run.
+// It is of one run.
 effect(() => {
     film.value;
     report.value = null;
 });
 
-export async function makeReport(film: Film) {
-    const from = canvas.value;
-    if (!from) throw new Error(t("the stage shows no picture"));
-    const before = film.place.peek();
-    // At the end there may be nobody; at the start all are there.
-    const k = (greatest(film, plan.value.limit.seconds) ?? greatest(film, SHORT))?.k ?? film.reached.peek();
-    await film.show(k);
-    // The effects of what is shown draw, those of the page after the next picture.
-    for (let pictures = 0; pictures < 2; pictures++) await new Promise((done) => requestAnimationFrame(done));
-    const blob = await png((onto) => compose(onto, canvas.value ?? from, film));
-    await film.show(before);
-    if (film.over) return;
-    const picture = URL.createObjectURL(blob);
-    report.value = { picture, time: k * film.scene.step };
+/** Asks for the report up to the last frame that was shown or asked for; the run is made again. */
+async function told(film: Film, client: Client, run: number): Promise<Told> {
+    const { force, seconds } = plan.value.limit;
+    return (await client.ask<Told>({ ask: "report", run, until: film.reached.peek() * film.scene.step, limit: [force, seconds] })).value;
 }
 
-/** In s: over so long a peak is a mean. */
-const SHORT = 0.1;
-
-/** The greatest squeeze of anybody up to the last frame that was shown, and in which frame it is; null if the run is
- * shorter than the mean: over less, it may be an impact. */
-function greatest({ frames, scene, reached }: Film, seconds: number): { most: number; k: number } | null {
-    const span = framesOf({ scene }, seconds);
-    const last = reached.peek();
-    if (last < span) return null;
-    const means = frames.greatestMean(span).subarray(span, last + 1);
-    const most = means.reduce((one, other) => Math.max(one, other), 0);
-    return { most, k: span + Math.max(0, means.indexOf(most)) };
+export async function makeReport(now: Film) {
+    const own = await told(now, now.client, now.scene.run);
+    const run = kept.value?.film;
+    const client = run && run !== now ? new Client() : null;
+    try {
+        const other = client && (await told(run!, client, await shownTo(client, run!)));
+        if (!now.over) report.value = { own, other };
+    } finally {
+        client?.close("it has told");
+    }
 }
 
 const POPULATIONS = { survey: t("survey ANSUR II"), statistics: t("statistics of one's own"), table: t("tables of measured people") };
@@ -105,20 +88,6 @@ function assumptions({ base, motion, edits, mechanics }: Made): [string, string]
     return rows;
 }
 
-/** Where exits are, how wide, and when they are open. */
-function exits({ scene: { targets } }: Film): [string, string][] {
-    const at = ([x, y]: Point) => `(${Number(x.toFixed(3))}, ${Number(y.toFixed(3))})`;
-    return targets
-        .filter(({ stay }) => !stay)
-        .map(({ name, corners, open }) => {
-            const [from, to, ...more] = corners as [Point, Point];
-            const line = { from: at(from), to: at(to), width: length(distance(from, to), plan.value.unit) };
-            const place = more.length > 0 ? t("area around {middle} m", { middle: at(middleOf(corners)) }) : t("line from {from} to {to} m, {width} wide", line);
-            const times = openWords(open);
-            return [t("Exit {name}", { name: named(name) }), `${place}${times && `, ${times}`}`];
-        });
-}
-
 /** The plan of which the room was made. */
 function drawnFrom(): [string, ComponentChildren][] {
     const { drawn } = plan.value;
@@ -126,8 +95,8 @@ function drawnFrom(): [string, ComponentChildren][] {
 }
 
 function ofRun(film: Film): [string, ComponentChildren][] {
-    const { agents, step, mechanical_step, warnings } = film.scene;
-    const rows: [string, ComponentChildren][] = [[t("People"), String(agents.length)], ...drawnFrom(), ...assumptions(film.made), ...exits(film), [t("Steps"), t("communication {step} s, mechanical {mechanical} s", { step, mechanical: mechanical_step })]];
+    const rows: [string, ComponentChildren][] = [[t("People"), String(film.scene.agents.length)], ...drawnFrom(), ...assumptions(film.made)];
+    const { warnings } = film.scene;
     return warnings.length > 0 ? [...rows, [t("Warnings"), warnings.map(inWords).join("; ")]] : rows;
 }
 
@@ -143,60 +112,32 @@ function ofSweep({ made, parameter, until, runs }: Sweep): [string, string][] {
     return rows;
 }
 
-function numbers(film: Film): [string, ComponentChildren][] {
-    const { frames, scene: shown, emptied } = film;
-    const last = film.reached.value;
-    const time = (k: number) => `${(k * shown.step).toFixed(2)} s`;
-    const squeeze = (seconds: number) => {
-        const found = greatest(film, seconds);
-        return found ? t("{most} N, at {time}", { most: digits(found.most, 3), time: time(found.k) }) : t("nothing yet: the run is shorter than {seconds} s", { seconds });
-    };
-    const rows: [string, ComponentChildren][] = [[t("Computed"), last > 0 ? time(last) : t("nothing yet: play the run first")]];
-    const { force, seconds } = plan.value.limit;
-    if (last > 0) {
-        rows.push(
-            [t("Greatest squeeze of anybody, mean of {seconds} s", { seconds }), squeeze(seconds)],
-            [t("Limit of the squeeze"), t("{force} N, mean of {seconds} s", { force, seconds })],
-            ...aboveLimit(film),
-            [t("Greatest squeeze of anybody, mean of 0.1 s: it may be an impact"), squeeze(SHORT)],
-            [t("Deepest overlap"), `${digits(1000 * film.overlaps[last]!, 2)} mm`],
-        );
-    }
-    if (shown.leaving === 0) return rows;
-    const all = emptied.value !== null && emptied.value <= last;
-    rows.push([t("Have left"), all ? t("all {n} after {time}", { n: shown.leaving, time: time(emptied.value!) }) : t("{part} of {n}", { part: frames.curve("left")[last]!, n: shown.leaving })]);
-    for (const { name, people, flow } of perExit(film)) rows.push([t("By {name}", { name: named(name) }), `${count(people, "{n} person", "{n} people")}${flow === null ? "" : t(", {flow} per second from the first to the last", { flow: digits(flow, 3) })}`]);
-    return rows;
+/** Value and unit of each row of the results. */
+function results({ sections }: Told): Map<string, string> {
+    const block = sections.find(({ heading }) => heading.id === "report.results")?.blocks[0];
+    const rows = block?.kind === "table" ? block.rows : [];
+    return new Map(rows.map(([name, value, unit]) => [inWords(name!), `${inWords(value!)} ${inWords(unit!)}`.trim()]));
 }
 
-/** The numbers of the run on the stage, and beside them those of a run that is kept. */
-function Results({ film }: { film: Film }) {
-    const mine = numbers(film);
-    const other = kept.value;
-    if (!other || other.film === film) return <Facts rows={mine} />;
-    const theirs = new Map(numbers(other.film));
-    const names = [...new Set([...mine.map(([name]) => name), ...theirs.keys()])];
-    const own = new Map(mine);
+/** The numbers of the run on the stage beside those of the run that is kept. */
+function Compared({ own, other }: { own: Told; other: Told }) {
+    const [mine, theirs] = [results(own), results(other)];
+    const rows = [[t("What is different"), difference() || "–", differing(kept.value?.facts ?? [], facts()) || "–"]];
+    for (const name of new Set([...mine.keys(), ...theirs.keys()])) rows.push([name, mine.get(name) ?? "–", theirs.get(name) ?? "–"]);
+    return <Table caption="" head={["", t("This run"), t("The run that is kept")]} rows={rows} numbers={[]} />;
+}
+
+function Table({ caption, head, rows, numbers }: { caption: string; head: string[]; rows: string[][]; numbers: boolean[] }) {
+    const name = (k: number) => (numbers[k] ? "number" : undefined);
     return (
-        <table class="facts compared">
-            <thead>
-                <tr>
-                    <td />
-                    <th scope="col">{t("This run")}</th>
-                    <th scope="col">{t("The run that is kept")}</th>
-                </tr>
-            </thead>
+        <table class={head.length > 0 ? "facts compared" : "facts"}>
+            <caption class="note">{caption}</caption>
+            {head.length > 0 && <thead><tr>{head.map((words, k) => words ? <th key={k} scope="col" class={name(k)}>{words}</th> : <td key={k} />)}</tr></thead>}
             <tbody>
-                <tr>
-                    <th scope="row">{t("What is different")}</th>
-                    <td>{difference() || "–"}</td>
-                    <td>{differing(other.facts, facts()) || "–"}</td>
-                </tr>
-                {names.map((name) => (
-                    <tr key={name}>
-                        <th scope="row">{name}</th>
-                        <td>{own.get(name) ?? "–"}</td>
-                        <td>{theirs.get(name) ?? "–"}</td>
+                {rows.map(([first, ...cells], n) => (
+                    <tr key={n}>
+                        <th scope="row">{first}</th>
+                        {cells.map((cell, k) => <td key={k} class={name(k + 1)}>{cell}</td>)}
                     </tr>
                 ))}
             </tbody>
@@ -204,9 +145,26 @@ function Results({ film }: { film: Film }) {
     );
 }
 
+function Part({ block }: { block: Block }) {
+    if (block.kind === "text") return <p>{inWords(block.text)}</p>;
+    if (block.kind === "list") return <ul>{block.items.map((item, k) => <li key={k}>{inWords(item)}</li>)}</ul>;
+    if (block.kind === "table") return <Table caption={inWords(block.caption)} head={block.head.map(inWords)} rows={block.rows.map((row) => row.map(inWords))} numbers={block.numbers} />;
+    return <Picture svg={block.svg} words={inWords(block.caption)} />;
+}
+
+function Picture({ svg, words }: { svg: string; words: string }) {
+    const address = useMemo(() => URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" })), [svg]);
+    useEffect(() => () => URL.revokeObjectURL(address), [address]);
+    return (
+        <figure>
+            <img src={address} alt={words} />
+            <figcaption class="note">{words}</figcaption>
+        </figure>
+    );
+}
+
 export function Report({ film }: { film: Film }) {
-    const { picture, time } = report.value!;
-    useEffect(() => () => URL.revokeObjectURL(picture), [picture]);
+    const { own, other } = report.value!;
     const swept = sweep.value;
     return (
         <main class="report" aria-label={t("Report")}>
@@ -223,12 +181,15 @@ export function Report({ film }: { film: Film }) {
                 {t("Made with the LEMONS lab {version} on {date}: pedestrians as rigid bodies of disks with damped springs and friction, in two dimensions.", { version: VERSION, date: new Date().toISOString().slice(0, 10) })}{" "}
                 <a href={link()}>{t("This scene as a link")}</a>.
             </p>
-            <img src={picture} alt={t("The scene at {time} s", { time: time.toFixed(2) })} />
-            <p class="note">{t("The scene at {time} s", { time: time.toFixed(2) })}{time > 0 && t(", the moment of the greatest squeeze")}</p>
-            <h2>{t("What was assumed")}</h2>
-            <Facts rows={ofRun(film)} />
-            <h2>{t("What came out")}</h2>
-            <Results film={film} />
+            {own.notices.map((notice, k) => <p key={k} class="warning">{inWords(notice)}</p>)}
+            {own.sections.map(({ heading, blocks }) => (
+                <section key={heading.id}>
+                    <h2>{inWords(heading)}</h2>
+                    {heading.id === "report.assumed" && <Facts rows={ofRun(film)} />}
+                    {heading.id === "report.results" && other && <Compared own={own} other={other} />}
+                    {blocks.map((block, k) => <Part key={k} block={block} />)}
+                </section>
+            ))}
             {swept && swept.runs.length > 0 && (
                 <>
                     <h2>{t('Sweep of "{scene}"', { scene: swept.scene })}</h2>
@@ -238,14 +199,6 @@ export function Report({ film }: { film: Film }) {
                     <SweepTable of={swept} measure="greatest_mean_of_1_s" />
                 </>
             )}
-            <h2>{t("What these numbers do not say")}</h2>
-            <ul>
-                <li>{t("One run is one sample. Other seeds place other people: times and forces differ, and the greatest ones differ most. A sweep shows by how much.")}</li>
-                <li>{t("The survey is of soldiers of 18 to 50 years. Children, the elderly, wheelchairs and luggage are not in it.")}</li>
-                {film.scene.agents.some(({ kind }) => kind) && <li>{t("Numbers of kinds of people are of other sources, or assumptions (docs/people.md). Nobody yields to a wheelchair or helps another.")}</li>}
-                <li>{t("Bodies move on a plane. Nobody falls, climbs or bends, unless the scene says that those who stand may lose balance.")}</li>
-                <li>{t("Times of leaving were compared with experiments for doors and corridors, without panic (docs/validation.md). They are no proof for a building.")}</li>
-            </ul>
             <Squeeze film={film} />
         </main>
     );

@@ -134,7 +134,7 @@ def test_every_tab_is_in_the_language_of_the_browser(browser: Browser, url: str,
     page.locator(".take button").filter(has_text=re.compile("^(Bericht|Rapport)")).click()
     page.locator("main.report").wait_for()
     assert page.locator("main.report h1").text_content() == "Room"
-    assert page.locator("main.report").get_by_text('"right"').count() == 2
+    assert page.locator("main.report").get_by_text('"right"').count() == 5
     tabs.nth(0).click()
     page.locator(".scenes button").nth(1).click()
     page.locator(".scenes button").nth(2).click()

@@ -29,6 +29,7 @@ mod people;
 mod pictures;
 mod record;
 mod replay;
+mod report;
 mod run;
 mod sweep;
 mod trajectories;
@@ -88,6 +89,8 @@ enum Command {
     Movie(Box<pictures::movie::Arguments>),
     /// Measure a run: flow over lines, density in areas, exposure to squeeze
     Measure(Box<measure::Arguments>),
+    /// Make a report of a scenario: runs with several seeds, as a page (HTML) or PDF
+    Report(report::Arguments),
     /// Convert a run for JuPedSim, PedPy or ChAOS, to XML, or to a Trial that continues it
     Export(export::Arguments),
     /// List the variables of an FMU
@@ -190,6 +193,7 @@ fn execute(command: Command) -> Result<()> {
         Command::Plot(mut arguments) => pictures::plot::plot(&mut arguments),
         Command::Movie(arguments) => pictures::movie::movie(&arguments),
         Command::Measure(arguments) => measure::measure(*arguments),
+        Command::Report(arguments) => report::report(&arguments),
         Command::Export(arguments) => export::export(&arguments),
         Command::Info(arguments) => info::info(&arguments),
         Command::Check(arguments) => check::check(&arguments),

@@ -14,7 +14,7 @@
 //! - [`loaded`]: a Trial, its people, and what drives them
 //! - [`scene`]: what a page draws of it
 //! - [`frame`]: what it keeps of a run, and asks of it; [`map`]: by place; [`limit`]: time above a limit
-//! - [`files`]: files to keep
+//! - [`files`]: files to keep; [`report`]: the report of a run
 //! - `typescript`: types of requests and replies, for the page
 
 pub mod body;
@@ -31,6 +31,7 @@ pub mod mechanics;
 pub mod motion;
 pub mod person;
 mod reply;
+pub mod report;
 pub mod room;
 pub mod run;
 pub mod scene;
@@ -90,6 +91,8 @@ pub enum Request {
     Sections { run: u32, altitude: f64 },
     /// Everybody's surface.
     Bodies { run: u32 },
+    /// The report of a run up to a time \[s\], with a limit of the squeeze: \[N\], of means over \[s\].
+    Report { run: u32, until: f64, limit: [f64; 2] },
     /// A file of a run's Trial.
     Take { run: u32, wanted: files::FileRequest },
 }
@@ -179,6 +182,9 @@ impl Lab {
             Request::Bodies { run } => {
                 let run = self.present(*run)?;
                 body::surfaces(&run.loaded, run.bodies()?)
+            }
+            Request::Report { run, until, limit } => {
+                report::report(self.present(*run)?, *until, *limit, watch)
             }
             Request::Take { run, wanted } => files::file(wanted, self.present(*run)?, bytes, watch),
         }

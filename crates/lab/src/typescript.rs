@@ -12,6 +12,7 @@ use crate::run::Advanced;
 use crate::{Opened, Request};
 use lemons_decision::WalkingModelName;
 use lemons_decision::walking_model::Rotational;
+use lemons_report::Report;
 use lemons_scenario::Scenario;
 use std::collections::BTreeMap;
 use ts_rs::{Config, TS, TypeVisitor};
@@ -60,6 +61,6 @@ pub fn generated() -> String {
     // The request; what a scenario and a decision.toml say, where the page has a form; replies.
     <(Request, Scenario, Rotational, WalkingModelName, Opened)>::visit_generics(&mut types);
     <(PersonShown, BicycleShown, Surface, Sections, Bodies, KindShown, Drawn)>::visit_generics(&mut types);
-    <(Understood, Overlaps, Flow, Grid, Limit, Advanced, NamedFile)>::visit_generics(&mut types);
+    <(Understood, Overlaps, Flow, Grid, Limit, Advanced, NamedFile, Report)>::visit_generics(&mut types);
     types.found.into_values().fold(HEAD.to_owned(), |all, one| all + &one)
 }

@@ -73,6 +73,12 @@ impl DensityMap {
         }
     }
 
+    /// Adds the frames of another map of the same part of the plane.
+    pub fn join(&mut self, other: &DensityMap) {
+        self.frames += other.frames;
+        self.sum.iter_mut().zip(&other.sum).for_each(|(sum, more)| *sum += more);
+    }
+
     fn add_one(&mut self, p: Vec2) {
         let (cell, from) = (self.cell(), p - self.view.low);
         let place = |p: Vec2| in_cells(self.view.low, cell, p);

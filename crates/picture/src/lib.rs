@@ -38,7 +38,7 @@ pub use chart::{Chart, ChartPanel, ChartStyle, Curve, chart_svg};
 pub use colour::{Colour, ColourMap, Theme};
 pub use density::{DENSITY_KERNEL, DensityMap};
 pub use lemons_core::plane::{Bounds, Pose};
-pub use pdf::pdf;
+pub use pdf::{A4, PdfPage, PdfText, document, pdf, text_width};
 pub use raster::{PictureError, Pixels, pixels, png};
 pub use scene::{DrawnForce, LoadMap, MarkKind, PictureScene, PlaceMark, Trail};
 pub use sheet::{sheet, svg};

@@ -1,10 +1,10 @@
-//! Converts SVG to PDF: one page of curves, without fonts.
+//! Converts SVG to PDF: one page of curves, without fonts. Documents of pages with text, and such pictures.
 
 use crate::raster::PictureError;
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::writers::ExtGraphicsState;
-use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
+use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 use resvg::usvg::tiny_skia_path::{Path as Outline, PathSegment, Point};
 use resvg::usvg::{
     BlendMode, ClipPath, Color, Fill, FillRule, Group, LineCap, LineJoin, LinearGradient, Node, Options,
@@ -22,9 +22,36 @@ const COMPRESSION: u8 = 6;
 
 const CATALOG: Ref = Ref::new(1);
 const PAGES: Ref = Ref::new(2);
-const PAGE: Ref = Ref::new(3);
-const CONTENT: Ref = Ref::new(4);
-const INFO: Ref = Ref::new(5);
+/// \[pt\] An A4 page.
+pub const A4: [f32; 2] = [595.0, 842.0];
+/// Names of the fonts: those that every reader of PDF has.
+const FONTS: [(&[u8], &[u8]); 2] = [(b"F0", b"Helvetica"), (b"F1", b"Helvetica-Bold")];
+
+/// A page of a document: what is on it, in points from the upper left corner.
+#[derive(Debug, Clone, Default)]
+pub struct PdfPage {
+    /// Texts.
+    pub texts: Vec<PdfText>,
+    /// Thin lines: the left end, the height, the right end.
+    pub lines: Vec<[f32; 3]>,
+    /// Pictures: left, upper end, width, SVG.
+    pub pictures: Vec<([f32; 3], String)>,
+}
+
+/// A text in one line.
+#[derive(Debug, Clone, Default)]
+pub struct PdfText {
+    /// Where it begins, on its base line.
+    pub at: [f32; 2],
+    /// Size of its letters.
+    pub size: f32,
+    /// Whether they are bold.
+    pub bold: bool,
+    /// Whether they are paler.
+    pub soft: bool,
+    /// The text. Letters that the font does not have become `?`.
+    pub text: String,
+}
 
 /// Converts an SVG to a PDF of one page of the same size; 96 px are an inch. Curves remain curves.
 ///
@@ -40,29 +67,132 @@ pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
     drawing.content.transform([scale, 0.0, 0.0, -scale, 0.0, height]);
     drawing.group(tree.root())?;
     let Drawing { content, opacities } = drawing;
+    Ok(written(vec![content], [width, height], unit, &opacities, None))
+}
 
+/// Makes a document of A4 pages, whose text can be selected.
+///
+/// # Errors
+/// Those of [`pdf`], of a picture.
+pub fn document(title: &str, pages: &[PdfPage]) -> Result<Vec<u8>, PictureError> {
+    let mut drawing = Drawing { content: Content::new(), opacities: Vec::new() };
+    let mut contents = Vec::new();
+    for PdfPage { texts, lines, pictures } in pages {
+        for ([left, top, width], svg) in pictures {
+            let tree = Tree::from_str(svg, &Options::default())?;
+            let scale = width / tree.size().width();
+            drawing.content.save_state().transform([scale, 0.0, 0.0, -scale, *left, A4[1] - top]);
+            drawing.group(tree.root())?;
+            drawing.content.restore_state();
+        }
+        let content = &mut drawing.content;
+        content.set_stroke_rgb(0.8, 0.83, 0.86).set_line_width(0.5);
+        for [left, height, right] in lines {
+            content.move_to(*left, A4[1] - height).line_to(*right, A4[1] - height).stroke();
+        }
+        for PdfText { at: [x, y], size, bold, soft, text } in texts {
+            let [r, g, b] = if *soft { [0.36, 0.4, 0.46] } else { [0.11, 0.15, 0.2] };
+            content.set_fill_rgb(r, g, b).begin_text().set_font(Name(FONTS[usize::from(*bold)].0), *size);
+            content.next_line(*x, A4[1] - y).show(Str(&encoded(text))).end_text();
+        }
+        contents.push(std::mem::replace(content, Content::new()));
+    }
+    Ok(written(contents, A4, 1.0, &drawing.opacities, Some(title)))
+}
+
+/// Returns a document of pages of one size; with fonts if it has a title.
+fn written(
+    pages: Vec<Content>,
+    [width, height]: [f32; 2],
+    unit: f32,
+    opacities: &[(f32, f32)],
+    title: Option<&str>,
+) -> Vec<u8> {
+    let of = |k: usize| Ref::new(3 + k as i32);
     let mut pdf = Pdf::new();
-    pdf.catalog(CATALOG).pages(PAGES);
-    pdf.pages(PAGES).kids([PAGE]).count(1);
-    let mut page = pdf.page(PAGE);
-    page.parent(PAGES).media_box(Rect::new(0.0, 0.0, width, height)).contents(CONTENT);
-    if unit > 1.0 {
-        page.user_unit(unit);
+    let mut catalog = pdf.catalog(CATALOG);
+    catalog.pages(PAGES);
+    if title.is_some() {
+        catalog.lang(TextStr("en")).viewer_preferences().display_doc_title(true);
     }
-    page.group().transparency().isolated(true).knockout(false).color_space().device_rgb();
-    let mut resources = page.resources();
-    let mut states = resources.ext_g_states();
-    for (place, (fill, stroke)) in opacities.iter().enumerate() {
-        let mut state = states.insert(Name(name(place).as_bytes())).start::<ExtGraphicsState>();
-        state.non_stroking_alpha(*fill).stroking_alpha(*stroke);
+    catalog.finish();
+    pdf.pages(PAGES).kids((0..pages.len()).map(|k| of(2 * k))).count(pages.len() as i32);
+    let after = 2 * pages.len();
+    for (k, content) in pages.into_iter().enumerate() {
+        let mut page = pdf.page(of(2 * k));
+        page.parent(PAGES).media_box(Rect::new(0.0, 0.0, width, height)).contents(of(2 * k + 1));
+        if unit > 1.0 {
+            page.user_unit(unit);
+        }
+        page.group().transparency().isolated(true).knockout(false).color_space().device_rgb();
+        let mut resources = page.resources();
+        let mut states = resources.ext_g_states();
+        for (place, (fill, stroke)) in opacities.iter().enumerate() {
+            let mut state = states.insert(Name(name(place).as_bytes())).start::<ExtGraphicsState>();
+            state.non_stroking_alpha(*fill).stroking_alpha(*stroke);
+        }
+        states.finish();
+        if title.is_some() {
+            let mut fonts = resources.fonts();
+            FONTS.iter().enumerate().for_each(|(k, font)| {
+                fonts.pair(Name(font.0), of(after + 1 + k));
+            });
+        }
+        resources.finish();
+        page.finish();
+        let content = compress_to_vec_zlib(&content.finish(), COMPRESSION);
+        pdf.stream(of(2 * k + 1), &content).filter(Filter::FlateDecode);
     }
-    states.finish();
-    resources.finish();
-    page.finish();
-    pdf.stream(CONTENT, &compress_to_vec_zlib(&content.finish(), COMPRESSION)).filter(Filter::FlateDecode);
     // No date, so that the same picture gives the same bytes.
-    pdf.document_info(INFO).producer(TextStr("LEMONS"));
-    Ok(pdf.finish())
+    let mut info = pdf.document_info(of(after));
+    info.producer(TextStr("LEMONS"));
+    if let Some(title) = title {
+        info.title(TextStr(title));
+        info.finish();
+        for (k, (_, font)) in FONTS.iter().enumerate() {
+            let mut of = pdf.type1_font(of(after + 1 + k));
+            of.base_font(Name(font)).encoding_predefined(Name(b"WinAnsiEncoding"));
+        }
+    } else {
+        info.finish();
+    }
+    pdf.finish()
+}
+
+/// \[1/1000\] Widths of the letters from the space to the tilde in Helvetica.
+const WIDTHS: [u16; 95] = [
+    278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333, 278, 278, 556, 556, 556, 556, 556,
+    556, 556, 556, 556, 556, 278, 278, 584, 584, 584, 556, 1015, 667, 667, 722, 722, 667, 611, 778, 722, 278,
+    500, 667, 556, 833, 722, 778, 667, 778, 722, 667, 611, 722, 667, 944, 667, 667, 611, 278, 278, 278, 469,
+    556, 333, 556, 556, 500, 556, 556, 278, 556, 556, 222, 222, 500, 222, 833, 556, 556, 556, 556, 333, 500,
+    278, 556, 500, 722, 500, 500, 500, 334, 260, 334, 584,
+];
+
+/// \[pt\] Returns the width of a text; of bold text and rare letters a little too much.
+pub fn text_width(text: &str, size: f32, bold: bool) -> f32 {
+    let width =
+        |byte: u8| byte.checked_sub(b' ').and_then(|k| WIDTHS.get(usize::from(k))).copied().unwrap_or(600);
+    let sum: f32 = encoded(text).into_iter().map(|byte| f32::from(width(byte))).sum();
+    sum * size * if bold { 1.08 } else { 1.0 } / 1000.0
+}
+
+/// Returns a text in the encoding of the fonts.
+fn encoded(text: &str) -> Vec<u8> {
+    let byte = |c: char| match c {
+        ' '..='~' | '\u{a0}'..='\u{ff}' => c as u8,
+        '…' => 0x85,
+        '‘' => 0x91,
+        '’' => 0x92,
+        '“' => 0x93,
+        '”' => 0x94,
+        '•' => 0x95,
+        '–' => 0x96,
+        '—' => 0x97,
+        '−' => b'-',
+        '\n' | '\t' => b' ',
+        _ => b'?',
+    };
+    text.chars().map(byte).collect()
 }
 
 struct Drawing {

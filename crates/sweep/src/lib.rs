@@ -18,6 +18,7 @@ mod spec;
 mod summary;
 mod sweep;
 mod table;
+mod threads;
 
 pub use error::{Result, SweepError};
 pub use models::{Models, SweepDecision, SweepModel, Template};
@@ -27,3 +28,4 @@ pub use spec::Spec;
 pub use summary::{check_over, summary};
 pub use sweep::{Options, SweepProgress, Swept, sweep};
 pub use table::{Finished, MeasuredValue, SweepTable};
+pub use threads::{SimulatedPoints, in_threads};

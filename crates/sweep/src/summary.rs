@@ -5,12 +5,9 @@ use crate::points::Points;
 use crate::spec::ENDED;
 use crate::table::{Finished, MeasuredValue};
 use lemons_core::require;
-use lemons_results::measure::quantile;
+use lemons_results::measure::{MeanInterval, quantile};
 use std::collections::BTreeMap;
-use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
-/// Share of intervals that hold the true mean.
-const CONFIDENCE: f64 = 0.95;
 /// The quantiles of a measure, and what is added to its name.
 const QUANTILES: [(f64, &str); 3] = [(0.1, "quantile_10"), (0.5, "median"), (0.9, "quantile_90")];
 
@@ -69,64 +66,15 @@ pub fn summary(points: &Points, measures: &[String], rows: &[Finished], over: &[
 /// Returns mean, both ends of its interval, quantiles; `None`: not known.
 fn numbers(mut values: Vec<f64>) -> Vec<Option<f64>> {
     values.sort_by(f64::total_cmp);
-    let count = values.len() as f64;
-    let mean = (!values.is_empty()).then(|| values.iter().sum::<f64>() / count);
-    let half = mean.filter(|_| values.len() > 1).map(|mean| {
-        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        student(values.len() - 1) * (variance / count).sqrt()
-    });
-    let ends = [-1.0, 1.0].map(|sign| Some(mean? + sign * half?));
+    let mean = MeanInterval::of(&values);
+    let ends = mean.and_then(|mean| mean.ends()).map_or([None; 2], |ends| ends.map(Some));
     let quantiles = QUANTILES.map(|(part, _)| quantile(&values, part));
-    [mean].into_iter().chain(ends).chain(quantiles).collect()
-}
-
-/// Returns the t within which [`CONFIDENCE`] of Student's distribution lie, for so many degrees of freedom.
-fn student(freedom: usize) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
-    while within(high, freedom) < CONFIDENCE {
-        high *= 2.0;
-    }
-    while high - low > 1e-12 * high {
-        let middle = 0.5 * (low + high);
-        if within(middle, freedom) < CONFIDENCE { low = middle } else { high = middle }
-    }
-    high
-}
-
-/// Returns the share of Student's distribution within ±t (Abramowitz and Stegun, 26.7.3 and 26.7.4).
-fn within(t: f64, freedom: usize) -> f64 {
-    let angle = (t / (freedom as f64).sqrt()).atan();
-    let (sine, cosine) = angle.sin_cos();
-    let odd = freedom % 2 == 1;
-    let (mut term, mut sum) = if odd { (cosine, 0.0) } else { (1.0, 0.0) };
-    // The powers of the cosine up to ν − 2.
-    for power in (if odd { 1 } else { 0 }..freedom.saturating_sub(1)).step_by(2) {
-        sum += term;
-        term *= cosine * cosine * (power + 1) as f64 / (power + 2) as f64;
-    }
-    if odd { FRAC_2_PI * (angle.min(FRAC_PI_2) + sine * sum) } else { sine * sum }
+    [mean.map(|mean| mean.mean)].into_iter().chain(ends).chain(quantiles).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Tabulated values.
-    #[test]
-    fn the_quantiles_of_students_distribution() {
-        let known = [
-            (1, 12.7062047),
-            (2, 4.3026527),
-            (3, 3.1824463),
-            (5, 2.5705818),
-            (10, 2.2281389),
-            (30, 2.0422725),
-            (199, 1.9719565),
-        ];
-        for (freedom, t) in known {
-            assert!((student(freedom) - t).abs() < 1e-6, "{freedom}: {}", student(freedom));
-        }
-    }
 
     #[test]
     fn runs_that_differ_in_the_seed_are_one_case() {

@@ -5,6 +5,8 @@ use super::summary::{
 };
 use crate::print;
 use anyhow::Result;
+use lemons_core::message::message;
+use lemons_report::sentences::{DESIGN_LOADS, NO_DESIGN, SINGLE};
 use lemons_results::measure::{By, Crossings, Left, MeanMax, WallLoad};
 use std::io::Write;
 
@@ -201,14 +203,9 @@ fn of_walls(out: &mut impl Write, walls: &[LoadedWall], panels: &[LoadedPanel]) 
         let label = format!("{}: ({:.2}, {:.2}), {:.2} m", place.wall, middle.x, middle.y, load.length);
         of_load(out, &label, load)?;
     }
-    paragraph(out, DESIGN)
+    let runs = message!(SINGLE);
+    paragraph(out, &format!("{} {}", message!(DESIGN_LOADS), message!(NO_DESIGN, runs)))
 }
-
-/// Notes of what a load can be compared with.
-const DESIGN: &str = "\
-    Barriers are designed for 3 to 5 kN/m where crowds press (EN 1991-1-1, table 6.12, category C5), crush barriers for \
-    5 kN/m at most (Green Guide, table 11.2). The loads above are no design loads: they are of one run, of walls that do \
-    not give way, without safety factors, and as large as the pushes that were assumed (docs/measure.md).";
 
 /// Writes the numbers of a load in kN/m, each with the time \[s\] when it was.
 fn of_load(out: &mut impl Write, label: &str, load: &WallLoad) -> Result<()> {

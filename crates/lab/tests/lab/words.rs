@@ -11,7 +11,8 @@ use std::path::Path;
 fn english() -> BTreeMap<String, String> {
     let of_rules = Rule::ALL.iter().flat_map(|rule| rule.row().sentences).chain(parts::ALL);
     let others = [lemons_people::SENTENCES, lemons_scenario::SENTENCES, lemons_decision::SENTENCES];
-    let all = of_rules.chain(others.into_iter().flatten()).chain(lemons_lab::SENTENCES);
+    let others = others.into_iter().chain([lemons_report::SENTENCES]);
+    let all = of_rules.chain(others.flatten()).chain(lemons_lab::SENTENCES);
     let kinds = Kinds::built_in().unwrap();
     let things = kinds.iter().flat_map(|kind| &kind.parts).map(|part| &*part.name).chain(PART_MATERIALS);
     let measures = BodyMeasure::ALL.iter().map(|measure| measure.name());
