@@ -98,7 +98,7 @@ FILES = {
         "lemons crowd --scenario hall.toml -o hall",
         {},
     ),
-    ("docs/slopes.md", "box = [12, 3]"): ("slopes.toml", "", "lemons crowd --scenario slopes.toml -o slopes", {}),
+    ("docs/slopes.md", "box = [12, 3]                                # [m]"): ("slopes.toml", "", "lemons crowd --scenario slopes.toml -o slopes", {}),
     ("docs/guide/first-half-hour.md", '<?xml version="1.0" encoding="UTF-8"?>'): ("Geometry.xml", "", "", {}),
     ("docs/guide/sweeps.md", 'trial = "resources/Trial_push"'): ("sweep.toml", "", "", {}),
     ("docs/guide/sweeps.md", 'trial = "room_{width}_{seed}"'): ("rooms.toml", "", "lemons sweep rooms.toml", {}),
