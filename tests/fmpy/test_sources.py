@@ -153,7 +153,7 @@ def test_who_finds_no_room_waits_outside_and_it_is_said(lemons, tmp_path):
     assert "left                       25     (of 40 people" in told
     seen = table_of(tmp_path / "run.csv")
     active = seen["active"].to_numpy() == 1
-    due = np.clip(np.floor(seen.index.to_numpy() / 0.05 + 1e-6), 0, 40)
+    due = np.clip(np.floor(seen.index.to_numpy() / 0.05 + 1e-6) + 1, 0, 40)
     assert (np.maximum.accumulate(active, axis=0).sum(axis=1) <= due).all()
     # Never more than 25 have left; the others are there, before the exit.
     left = np.maximum.accumulate(active, axis=0).sum(axis=1) - active.sum(axis=1)

@@ -278,7 +278,7 @@ def test_the_report_has_the_numbers_of_the_run(page: Page, tmp_path: Path) -> No
     assert float(squeeze[1]) == pytest.approx((means * there).max(), rel=6e-3)
     assert row("People ever above 120 N, mean of 0.5 s")[1:4] == [str(level["people"]), "", f"at {level['first']:.2f} s"]
     assert float(row("Longest time of anybody above it, without a break")[1]) == pytest.approx(level["longest"]["max"], abs=0.0051)
-    assert float(row("Time above it, of all together")[1]) == pytest.approx(sum(times), abs=0.051)
+    assert float(row("Time above it, summed over people")[1]) == pytest.approx(sum(times), abs=0.051)
     expect(report.get_by_role("row", name='Exit "door 1" line from (9.00, 1.55) to (9.00, 4.45) m', exact=True)).to_be_visible()
     report.get_by_label("Author").fill("A. Mason")
     report.get_by_label("Author").press("Tab")

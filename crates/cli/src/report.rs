@@ -32,7 +32,7 @@ pub struct Arguments {
     scenario: PathBuf,
     /// Number of runs. Each has a seed of its own, from that of the scenario on: other people at other
     /// places. Of a Trial, seeds choose only what its decision.toml draws. Default: 10; 1 for a Trial without one
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     seeds: Option<u32>,
     /// End of each run, in seconds, if not all have left before; or the word left: when all have left, or
     /// nobody gets on, at the latest after an hour. Default: left where people leave, else 5
@@ -138,7 +138,8 @@ pub fn report(arguments: &Arguments) -> Result<()> {
             told.warnings.extend(problems.iter().map(|problem| problem.told()));
             if let Some(plan) = &documents.plan {
                 told.settings = flat(&plan.config.to_toml()?);
-                told.warnings.push(message!(sentences::SAME_PEOPLE));
+                let several = arguments.seeds.is_none_or(|count| count > 1);
+                told.warnings.extend(several.then(|| message!(sentences::SAME_PEOPLE)));
             }
             let pushed = documents.drive.end().map(|end| (DRIVE_FILE.to_owned(), format!("0 – {end} s")));
             told.settings.extend(pushed);
@@ -165,7 +166,10 @@ pub fn report(arguments: &Arguments) -> Result<()> {
         bail!(Misused(format!("--seeds {count}: {}: {why}", path.display())));
     }
     let count = arguments.seeds.unwrap_or(if still { 1 } else { 10 });
-    let seeds: Vec<u64> = (0..u64::from(count)).map(|k| begin.saturating_add(k)).collect();
+    if begin > i64::MAX as u64 - u64::from(count) {
+        bail!(Misused(format!("--seeds {count}: seeds from {begin} on would be more than {}", i64::MAX)));
+    }
+    let seeds: Vec<u64> = (0..u64::from(count)).map(|k| begin + k).collect();
     let settings = Settings { until: Until::Left, limit: LIMIT };
     let mut runs = Runs { subject, name: name.clone(), seeds, settings };
     // What is wrong with the first is said before anything long.
@@ -234,19 +238,29 @@ pub fn report(arguments: &Arguments) -> Result<()> {
     Ok(say!("report             {}", output.display())?)
 }
 
-/// Returns the keys of a TOML text as it is written, with their values.
+/// Returns the keys of a TOML text, with their values; those of the tables of a list are counted from 0.
 fn flat(text: &str) -> Vec<(String, String)> {
-    let mut table = String::new();
-    let row = |line: &str| {
-        let Some((key, value)) = line.split_once(" = ") else {
-            table = line.trim_matches(['[', ']']).to_owned() + if line.is_empty() { "" } else { "." };
-            return None;
-        };
-        // A corner for each metre of a room would fill pages.
-        let cut = value.char_indices().nth(300).map(|(place, _)| format!("{} …", &value[..place]));
-        Some((format!("{table}{key}"), cut.unwrap_or_else(|| value.to_owned())))
-    };
-    text.lines().filter_map(row).collect()
+    fn add(key: &str, value: &toml::Value, rows: &mut Vec<(String, String)>) {
+        let below = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
+        match value {
+            toml::Value::Table(table) => {
+                table.iter().for_each(|(name, value)| add(&below(name), value, rows))
+            }
+            toml::Value::Array(all) if all.iter().any(toml::Value::is_table) => {
+                all.iter().enumerate().for_each(|(k, value)| add(&format!("{key}[{k}]"), value, rows));
+            }
+            value => {
+                let text = value.to_string();
+                // A corner for each metre of a room would fill pages.
+                let cut = text.char_indices().nth(300).map(|(place, _)| format!("{} …", &text[..place]));
+                rows.push((key.to_owned(), cut.unwrap_or(text)));
+            }
+        }
+    }
+    let mut rows = Vec::new();
+    let table = toml::from_str(text).map(toml::Value::Table);
+    table.iter().for_each(|table| add("", table, &mut rows));
+    rows
 }
 
 /// Returns the day, in UTC, on which a file was written.

@@ -182,7 +182,7 @@ impl Decision {
         let faces =
             plan.walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]])).collect();
         let faces = Arc::new(faces);
-        Decision {
+        let mut decision = Decision {
             agents,
             time: 0.0,
             passed: vec![0; plan.targets.len()],
@@ -196,7 +196,10 @@ impl Decision {
             aims: None,
             legs: None,
             leans: None,
-        }
+        };
+        // Who is due at the start comes then.
+        decision.let_in(0.0);
+        decision
     }
 
     /// Everybody is seen in these motions, in their order; without FMI. Who walks decides at [`Decision::acts`], and

@@ -98,7 +98,7 @@ fn nobody_comes_where_somebody_stands_or_a_wall_is_and_another_one_comes_instead
     assert_eq!(first, [None, None, Some(2), None, Some(4)]);
     // In front of somebody who comes near, there is no room either: 0.05 s at 2 m/s and more are 0.15 m.
     let alone = trial(&[[0.0, 0.0], [0.55, 0.0]], &[]);
-    let config = format!("{EXIT}sources = [{{ people = [\"1\"], times = [0] }}]");
+    let config = format!("{EXIT}sources = [{{ people = [\"1\"], times = [{STEP}] }}]");
     let plan = Plan::of(&alone, &DecisionConfig::from_toml(&config).unwrap()).unwrap();
     let comes = |velocity: f64| {
         let mut decision = Decision::new(plan.clone());

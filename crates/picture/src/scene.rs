@@ -4,7 +4,7 @@ use crate::body::{DrawnBody, drawable, near};
 use crate::density::DensityMap;
 use crate::style::Values;
 use lemons_core::plane::{Bounds, Pose, Vec2, vec2};
-use lemons_core::trial::Trial;
+use lemons_core::trial::{AgentDynamics, Trial};
 
 /// A contact force, drawn as a line whose width is proportional to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,11 +105,14 @@ impl<'a> PictureScene<'a> {
         }
     }
 
-    /// Makes a scene of the Trial as in its files.
+    /// Makes a scene of the Trial as in its files, without those who come later.
     pub fn at_start(trial: &'a Trial) -> PictureScene<'a> {
-        let poses =
-            trial.dynamics.iter().map(|d| Pose { position: d.position, orientation: d.theta }).collect();
-        PictureScene::new(trial, poses)
+        let nowhere = vec2(f64::NAN, f64::NAN);
+        let pose = |own: &AgentDynamics| Pose {
+            position: if own.absent { nowhere } else { own.position },
+            orientation: own.theta,
+        };
+        PictureScene::new(trial, trial.dynamics.iter().map(pose).collect())
     }
 
     /// Returns the smallest rectangle around all walls, marks, bodies, feet and trails; a metre about the origin if

@@ -5,7 +5,7 @@ use crate::sentences::*;
 use crate::{Block, Report, Section};
 use lemons_core::message::{Message, Sentence, message};
 use lemons_core::plane::{Vec2, vec2};
-use lemons_core::trial::{Agent, Trial};
+use lemons_core::trial::{Agent, Incline, Trial};
 use lemons_decision::rule::UNLIMITED;
 use lemons_decision::target::Target;
 use lemons_decision::{Plan, Spread};
@@ -20,6 +20,8 @@ use std::collections::BTreeMap;
 
 /// Panels that are listed.
 const MOST_PANELS: usize = 10;
+/// Runs of which it is told at the top what is wrong.
+const MOST_NOTICES: usize = 10;
 /// People who are named where some have not left.
 const MOST_NAMES: usize = 8;
 /// \[px\] Width of pictures.
@@ -214,7 +216,14 @@ impl Many<'_> {
             let why = plain(ended(run));
             self.in_run(run, message!(NOT_LEFT, stay, leave, time, why, who = who.join(", ")))
         });
-        let mut all: Vec<Message> = failed.chain(stayed).collect();
+        let late = self.runs.iter().map(|run| (run, run.leaving.as_ref().map_or(0, Leaving::outside)));
+        let late = late.filter(|(_, count)| *count > 0);
+        let late = late.map(|(run, count)| self.in_run(run, message!(NOT_COME, count, time = run.end)));
+        let mut all: Vec<Message> = failed.chain(stayed).chain(late).collect();
+        if let Some(more) = all.len().checked_sub(MOST_NOTICES).filter(|more| *more > 0) {
+            all.truncate(MOST_NOTICES);
+            all.push(message!(MORE_NOTICES, more));
+        }
         if all.is_empty() && self.runs[0].all_left() {
             all.push(message!(ALL_OUT, runs = self.count(self.runs.len())));
         }
@@ -260,7 +269,10 @@ impl Many<'_> {
             run.exposure.as_ref()?.iter().map(of).collect()
         };
         rows.push(self.row(plain(SQUEEZE_90), ("N", 0), |run| {
-            Across::Quantile90.of(each(run, |one| one.largest_mean[1])?.into_iter())
+            // Who never came was not squeezed.
+            let came = run.exposure.as_ref()?.iter().filter(|one| one.time > 0.0);
+            let squeezes: Option<Vec<f64>> = came.map(|one| one.largest_mean[1]).collect();
+            Across::Quantile90.of(squeezes?.into_iter())
         }));
         rows.push(self.row(message!(ABOVE, limit, over), ("", 0), |run| {
             let first = each(run, |one| Some(one.above[0]?.first.unwrap_or(f64::INFINITY)))?;
@@ -283,14 +295,20 @@ impl Many<'_> {
 
     fn assumed(&self, first: &RunSeen) -> Vec<Block> {
         let RunSeen { trial, plan, settings, .. } = first;
-        let seeds: Vec<String> = self.runs.iter().filter_map(|run| Some(run.seed?.to_string())).collect();
+        // They follow each other.
+        let ends = [self.runs.first(), self.runs.last()].map(|run| run.and_then(|run| run.seed));
+        let seeds = match ends {
+            [Some(first), Some(last)] if first < last => format!("{first} – {last}"),
+            [first, _] => first.map_or(String::new(), |first| first.to_string()),
+        };
         let time = settings.until.latest();
         let until =
             if first.leaving.is_some() { message!(UNTIL_LEFT, time) } else { message!(UNTIL_TIME, time) };
-        let mut rows = vec![(plain(SEEDS), seeds.join(", ").into()), (plain(UNTIL), until)];
+        let mut rows = vec![(plain(SEEDS), seeds.into()), (plain(UNTIL), until)];
         rows.push((plain(BODIES_FROM), self.told.people.clone()));
         of_plan(plan.as_ref(), &mut rows);
         of_trial(trial, &mut rows);
+        of_ground(trial, plan.as_ref(), &mut rows);
         let text = |pairs: &[(String, String)]| -> Vec<(Message, Message)> {
             pairs.iter().map(|(key, value)| (key.as_str().into(), value.as_str().into())).collect()
         };
@@ -390,12 +408,14 @@ impl Many<'_> {
         // Of a panel that is another one in another run, there is no number.
         let of = |run: &RunSeen, k: usize, load: Load| {
             let (own, seen) = run.loads.as_ref()?.panels.get(k)?;
-            load(seen).filter(|_| own == panel(k)).map(|(load, time)| (load / 1e3, message!(AT, time)))
+            let at = |time: f64| if time.is_nan() { Message::default() } else { message!(AT, time) };
+            load(seen).filter(|_| own == panel(k)).map(|(load, time)| (load / 1e3, at(time)))
         };
         let kinds: [(Sentence, Load); 3] = [
             (LOAD_1, |load| load.load_1.zip(load.load_1_at)),
             (LOAD_10, |load| load.load_10.zip(load.load_10_at)),
-            (LOAD_PEAK, |load| load.load_peak.zip(load.load_peak_at)),
+            // A peak of 0 has no time.
+            (LOAD_PEAK, |load| Some((load.load_peak?, load.load_peak_at.unwrap_or(f64::NAN)))),
         ];
         let greatest = |k: usize| {
             let all = self.runs.iter().filter_map(|run| Some(of(run, k, kinds[0].1)?.0));
@@ -558,4 +578,28 @@ fn of_trial(trial: &Trial, rows: &mut Vec<(Message, Message)>) {
     row(WALL_LENGTH, message!(LENGTH_OF, count = walls.len(), length));
     let (step, mechanical) = (trial.parameters.time_step, trial.parameters.time_step_mechanical);
     row(STEPS, message!(STEPS_OF, step, mechanical));
+}
+
+/// Says where the ground is not level, and who comes later.
+fn of_ground(trial: &Trial, plan: Option<&Plan>, rows: &mut Vec<(Message, Message)>) {
+    for ground in &trial.geometry.grounds {
+        let value = match ground.incline {
+            Incline::Slope { angle, held } => message!(SLOPE, angle = angle.to_degrees(), held),
+            Incline::Stairs { riser, tread } => message!(STAIRS, riser, tread),
+        };
+        rows.push((message!(GROUND, id = &ground.id), value));
+    }
+    if !trial.geometry.links.is_empty() {
+        rows.push((plain(LINKS), trial.geometry.links.len().to_string().into()));
+    }
+    for source in plan.iter().flat_map(|plan| &plan.sources) {
+        let [first, last, _] = spread(source.times.iter().copied());
+        let count = source.people.len();
+        rows.push((message!(SOURCE, name = &source.name), message!(COME, count, first, last)));
+    }
+    for target in plan.iter().flat_map(|plan| &plan.targets) {
+        if let Some(most) = target.most {
+            rows.push((message!(EXIT, name = &target.name), message!(MOST, most = most as usize)));
+        }
+    }
 }

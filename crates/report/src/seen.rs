@@ -117,9 +117,6 @@ impl RunSeen {
         let mut scene = PictureScene::at_start(&self.trial);
         scene.marks = marks(self.plan.as_ref());
         scene.view = Some(self.density.view());
-        // Who comes later is not there at the start.
-        let later = self.trial.dynamics.iter().zip(&mut scene.poses).filter(|(own, _)| own.absent);
-        later.for_each(|(_, pose)| *pose = NOWHERE);
         scene.poses = poses.unwrap_or(scene.poses);
         scene
     }
@@ -135,12 +132,18 @@ impl RunSeen {
         watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Option<RunSeen>, ReportError> {
         documents.trial.geometry.divide(PanelChoice::Missing).map_err(ReportError::Panels)?;
+        if let Some(plan) = &documents.plan {
+            plan.mark_absent(&mut documents.trial);
+        }
         let (trial, plan) = (documents.trial.clone(), documents.plan.clone());
         let who = documents.leaving();
         let leaves = who.contains(&true);
         // Also a run up to a time is over when all have left.
-        let until = if leaves && settings.until.time().is_some() { Until::Left } else { settings.until };
-        let end: Option<StopCondition> = until.condition(documents.drive.end(), || who)?;
+        let end = if leaves && settings.until.time().is_some() {
+            Some(StopCondition::Left(Leaving::of(who).without_standstill()))
+        } else {
+            settings.until.condition(documents.drive.end(), || who)?
+        };
         let clock = Clock::new(0.0, trial.parameters.time_step, settings.until.latest())?;
         let mut simulation = Simulation::new(documents, Algorithm::default())?;
         simulation.begin(0.0, None)?;
@@ -212,7 +215,8 @@ impl Seeing {
         /// \[m\] Around walls, people and exits.
         const AROUND: f64 = 0.5;
         let people = trial.agents.len();
-        let mut scene = PictureScene::at_start(trial);
+        let own = trial.dynamics.iter().map(|own| own.motion().pose);
+        let mut scene = PictureScene::new(trial, own.collect());
         scene.marks = marks(plan);
         let view = scene.extent().grown(AROUND);
         let (limit, over) = settings.limit;

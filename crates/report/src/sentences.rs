@@ -14,13 +14,15 @@ lemons_core::sentences! {
     VERSIONS "report.versions" "Versions";
 
     NOT_LEFT "report.not-left" "{stay} of {leave} people have not left after {time:.2} s ({why}): {who}";
+    NOT_COME "report.not-come" "{count} people had not come after {time:.2} s.";
+    MORE_NOTICES "report.more" "The same or the like holds for {more} more runs.";
     FAILED "report.failed" "Seed {seed} has no result and is not counted: {why}";
     ALL_OUT "report.all-out" "Everybody left who was to leave ({runs}).";
     ONE_RUN "report.one-run" "One run: it is one sample. Other seeds place other people; how much the numbers differ is not known.";
 
     QUANTITY "report.quantity" "quantity";
     UNIT "report.unit" "unit";
-    VALUE "report.value" "one run";
+    VALUE "report.value" "value";
     WHERE "report.where" "where and when";
     MEAN "report.mean" "mean";
     INTERVAL "report.interval" "95 % interval";
@@ -34,13 +36,13 @@ lemons_core::sentences! {
     EVACUATION "report.evacuation" "All have left after";
     LEFT "report.left" "People who have left";
     STAY "report.stay" "People who have not left";
-    WAIT "report.wait" "Longest wait of anybody, within 1 m";
+    WAIT "report.wait" "Longest time that anybody stayed within 1 m";
     DENSEST "report.densest" "Greatest density";
     SQUEEZE "report.squeeze" "Greatest squeeze of anybody, mean of {over} s";
     SQUEEZE_01 "report.squeeze-01" "Greatest squeeze of anybody, mean of 0.1 s: it may be an impact";
     SQUEEZE_90 "report.squeeze-90" "Squeeze that 90 % of people stay below, mean of 1 s";
     ABOVE "report.above" "People ever above {limit} N, mean of {over} s";
-    ABOVE_TIME "report.above-time" "Time above it, of all together";
+    ABOVE_TIME "report.above-time" "Time above it, summed over people";
     ABOVE_LONGEST "report.above-longest" "Longest time of anybody above it, without a break";
     FELL "report.fell" "People who fell";
     OVERLAP "report.overlap" "Deepest overlap";
@@ -83,6 +85,13 @@ lemons_core::sentences! {
     GROUPS "report.groups" "Groups that stay together";
     EXIT "report.exit" "Exit {name:?}";
     LINE "report.line" "line from ({x1:.2}, {y1:.2}) to ({x2:.2}, {y2:.2}) m";
+    GROUND "report.ground" "Ground {id:?}";
+    SLOPE "report.slope" "slope of {angle:.1}°; feet hold {held} of what pulls downhill";
+    STAIRS "report.stairs" "stairs, {riser} m × {tread} m";
+    LINKS "report.links" "Links between floors";
+    SOURCE "report.source" "Source {name:?}";
+    COME "report.come" "{count} people, from {first:.1} to {last:.1} s";
+    MOST "report.most" "closes after {most} people";
     OPENS "report.opens" "{place}, open from {from:.1} s on";
     AREA "report.area" "area around ({x:.2}, {y:.2}) m";
     OPEN "report.open" "{place}, open from {from:.1} to {to:.1} s";
@@ -105,8 +114,8 @@ lemons_core::sentences! {
     BY_FIRST "report.by-first" "{exit}: the first of them";
     BY_LAST "report.by-last" "{exit}: the last of them";
     CURVE "report.curve" "People who have left over time, a line for each run.";
-    WORST_DENSITY "report.worst-density" "Density at the worst moment: at {time:.2} s{seed}, of all that were looked at (one each {sample} s). Its greatest value is {value:.1} per m². Each person is spread as a Gaussian of {kernel} m, not through walls.";
-    MEAN_DENSITY "report.mean-density" "Mean density of {runs}, each from its start to its end, looked at each {sample} s. Each person is spread as a Gaussian of {kernel} m, not through walls.";
+    WORST_DENSITY "report.worst-density" "Density at the worst moment: at {time:.2} s{seed}, of all that were looked at (one every {sample} s). Its greatest value is {value:.1} per m². Each person is spread as a Gaussian of {kernel} m, not through walls.";
+    MEAN_DENSITY "report.mean-density" "Mean density of {runs}, each from its start to its end, looked at every {sample} s. Each person is spread as a Gaussian of {kernel} m, not through walls.";
     WORST_SQUEEZE "report.worst-squeeze" "People at the moment of the greatest squeeze: at {time:.2} s{seed}. Colours: everybody's mean squeeze of {over} s before, in N; the greatest is {value:.0} N, of person {who}.";
     PRESSED "report.pressed" "How each run ended, and who was pressed most in it (mean of {over} s), when and where. What walls do not do, other people do.";
     PERSON "report.person" "person";
@@ -129,8 +138,8 @@ lemons_core::sentences! {
     ENDED "report.ended" "ended [s]";
     NOT_OUT "report.not-out" "not left";
     WHEN_LEFT "report.when-left" "all left";
-    STANDSTILL "report.standstill" "stopped: nobody got on";
-    AT_LATEST "report.latest" "stopped: its latest end";
+    STANDSTILL "report.standstill" "stopped: nobody moved on for 300 s";
+    AT_LATEST "report.latest" "stopped: the time limit";
     TIMED "report.timed" "its time was over";
     WHY "report.why" "why";
     IN_RUN "report.in-run" "Seed {seed}: {finding}";
@@ -139,7 +148,7 @@ lemons_core::sentences! {
 
     NOT_SAMPLE "report.not-sample" "The interval says how well the mean of this scenario is known, not how well the scenario is. Other assumptions change the numbers more than other seeds.";
     NOT_SURVEY "report.not-survey" "Bodies are drawn from statistics (docs/people.md): the survey ANSUR II is of soldiers of 18 to 50 years. Kinds of people have numbers of other sources, or assumptions. Nobody yields to a wheelchair or helps another.";
-    NOT_PLANE "report.not-plane" "Bodies move on a plane. Nobody climbs or bends; nobody falls, unless people have legs.";
+    NOT_PLANE "report.not-plane" "Bodies move in plan. Nobody bends; nobody falls, unless people have legs.";
     NOT_PROOF "report.not-proof" "Times of leaving were compared with experiments for doors and corridors, without panic (docs/validation.md). They are no proof for a building.";
     NOT_INJURY "report.not-injury" "No number here says who is hurt: {limit} N is what men tolerated against a flat bar (docs/guide/squeeze.md).";
 

@@ -9,7 +9,7 @@ use lemons_core::trial::Trial;
 use lemons_decision::config::AgentConfig;
 use lemons_decision::rule::Waypoint;
 use lemons_decision::source::SourceConfig;
-use lemons_decision::stuck::share;
+use lemons_decision::stuck::{draw, share};
 use lemons_decision::{Decision, DecisionConfig, Plan};
 use lemons_people::{CrowdMember, Kinds, Population};
 use serde::{Deserialize, Serialize};
@@ -94,6 +94,11 @@ impl SourceForm {
 }
 
 impl Scenario {
+    /// Returns a seed of a source: another one for each seed of the scenario, source and use.
+    fn seed_of_source(&self, k: usize, of: u64) -> u64 {
+        draw(self.seed(), u64::MAX - k as u64, of)
+    }
+
     /// Draws the people of all sources.
     pub(crate) fn arriving(&self, population: &Population) -> Result<Vec<Vec<CrowdMember>>> {
         let draw = |(k, source): (usize, &SourceForm)| {
@@ -101,7 +106,7 @@ impl Scenario {
             if !source.mix.is_empty() {
                 own = own.mixed(Kinds::built_in()?.mix(&forms::shares(&source.mix)?)?);
             }
-            let seed = self.seed().wrapping_add(0x5eed << 32).wrapping_add(k as u64);
+            let seed = self.seed_of_source(k, 0);
             Ok(own.agents(seed).take(source.people()).collect())
         };
         self.sources.iter().enumerate().map(draw).collect()
@@ -124,7 +129,7 @@ impl Scenario {
             let corners = source.corners();
             let ring = source.polygon.as_ref().and_then(|_| Ring::through(corners.clone()));
             let Some(Bounds { low, high }) = Bounds::of(corners.iter().copied()) else { continue };
-            let seed = self.seed().wrapping_add(k as u64);
+            let seed = self.seed_of_source(k, 1);
             for person in people {
                 let disks = person.shape()?.disks;
                 let reach = disks.iter().map(|disk| disk.centre.norm() + disk.radius).fold(0.0, f64::max);

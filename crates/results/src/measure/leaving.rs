@@ -47,6 +47,8 @@ pub struct Leaving {
     since: f64,
     places: Vec<Option<Vec2>>,
     over: Option<Over>,
+    /// Whether a standstill ends it.
+    ends_still: bool,
     /// Where \[m\] and since when \[s\] each person waits.
     waits: Vec<(Vec2, f64)>,
     longest: Option<Wait>,
@@ -62,19 +64,27 @@ impl Leaving {
             since: f64::NEG_INFINITY,
             places: Vec::new(),
             over: None,
+            ends_still: true,
             waits: Vec::new(),
             longest: None,
         }
     }
 
+    /// Returns the same, over only when all have left.
+    pub fn without_standstill(self) -> Leaving {
+        Leaving { ends_still: false, ..self }
+    }
+
     /// Sees at a time \[s\] where everybody is \[m\], or [`OUTSIDE`]; `None` of those who have left.
     pub fn see(&mut self, time: f64, places: &[Option<Vec2>]) -> Option<Over> {
         self.left = places.iter().filter(|place| place.is_none()).count();
-        let stays = |(was, is): (&Option<Vec2>, &Option<Vec2>)| match (was, is) {
+        let stays = |(agent, (was, is)): (usize, (&Option<Vec2>, &Option<Vec2>))| match (was, is) {
+            // Who is outside comes, if it is one of those who leave.
+            (Some(was), Some(is)) if *is == OUTSIDE => *was == OUTSIDE && !self.leaves(agent),
             (Some(was), Some(is)) => (*is - *was).norm() <= REACH,
             (was, is) => was.is_none() && is.is_none(),
         };
-        if self.places.len() != places.len() || !self.places.iter().zip(places).all(stays) {
+        if self.places.len() != places.len() || !self.places.iter().zip(places).enumerate().all(stays) {
             (self.since, self.places) = (time, places.to_vec());
         }
         self.waits.resize(places.len(), (vec2(f64::INFINITY, 0.0), time));
@@ -92,7 +102,7 @@ impl Leaving {
         }
         self.over = if self.left >= self.leave {
             Some(Over::Left)
-        } else if time - self.since >= STANDSTILL - ROUNDING {
+        } else if self.ends_still && time - self.since >= STANDSTILL - ROUNDING {
             Some(Over::Standstill)
         } else {
             None
@@ -133,10 +143,17 @@ impl Leaving {
         Some(format!("{stay} of {leave} people have not left: {why}; the run ends at t = {time:.3} s"))
     }
 
-    /// Returns those who have not left and were to leave, by their places among the people.
+    /// Returns those who have come, have not left and were to leave, by their places among the people.
     pub fn stay(&self) -> impl Iterator<Item = usize> {
-        let there = self.places.iter().enumerate().filter(|(_, place)| place.is_some());
+        let there = self.places.iter().enumerate();
+        let there = there.filter(|(_, place)| place.is_some_and(|place| place != OUTSIDE));
         there.map(|(agent, _)| agent).filter(|agent| self.leaves(*agent))
+    }
+
+    /// Returns how many are to leave, and have not come yet.
+    pub fn outside(&self) -> usize {
+        let outside = self.places.iter().enumerate().filter(|(_, place)| **place == Some(OUTSIDE));
+        outside.filter(|(agent, _)| self.leaves(*agent)).count()
     }
 }
 
