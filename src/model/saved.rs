@@ -33,6 +33,8 @@ struct Running {
     /// Fingerprint of the packed drive, if it drives anybody.
     packed_drive: Option<String>,
     present: Vec<bool>,
+    /// Who has been switched on or off since the last step.
+    moved: BTreeSet<usize>,
     /// Of each wall; one that closes may wait for somebody.
     present_walls: Vec<bool>,
     state: State,
@@ -55,6 +57,7 @@ impl CrowdModel {
                     .get()
                     .filter(|_| !self.played.is_empty())
                     .map(|drive| drive.fingerprint.clone()),
+                moved: self.moved.clone(),
                 present: world.present().to_vec(),
                 present_walls: world.present_walls().to_vec(),
                 state: world.state().clone(),
@@ -123,7 +126,7 @@ impl CrowdModel {
         }
         (self.packed, self.trial, self.world) = (packed, trial, world);
         self.said_coincident = self.first_coincident();
-        self.moved.clear();
+        self.moved = saved.running.as_ref().map(|running| running.moved.clone()).unwrap_or_default();
         self.settings.clone_from(settings);
         self.played = saved.running.as_ref().map(|running| running.played.clone()).unwrap_or_default();
         Ok(())
@@ -137,6 +140,7 @@ fn check_running(world: &World, trial: &Trial, running: &Running) -> Answer<()> 
     let (disks, faces) = (scene.disks.len(), scene.faces.len());
     let fits = state.poses.len() == bodies
         && state.twists.len() == bodies
+        && running.moved.iter().all(|&i| i < bodies)
         && running.drive.len() == bodies
         && running.present.len() == bodies
         && running.present_walls.len() == trial.geometry.walls.len()
