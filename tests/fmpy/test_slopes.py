@@ -306,3 +306,28 @@ desired_speed = 0.3
             fx, fy = row[f"decision.agent[{i}].Fp.x"], row[f"decision.agent[{i}].Fp.y"]
             across = fy * math.cos(way) - fx * math.sin(way)
             assert abs(across) < 1e-4 * (1 + math.hypot(fx, fy)) and fx > -1e-9
+
+
+def test_who_finds_no_room_beyond_a_link_waits_before_it(lemons, tmp_path):
+    """Somebody stands where the first one would arrive: the outside is the strip of 0.5 m behind the line at x = 10 m."""
+    (tmp_path / "floors.xml").write_text(FLOORS)
+    scenario = """\
+geometry = "floors.xml"
+regions = [
+  { corners = [[5.0, 0.7], [5.7, 0.7], [5.7, 1.3], [5.0, 1.3]], number = 1 },
+  { corners = [[20.66, -0.03], [21.0, -0.03], [21.0, 0.57], [20.66, 0.57]], number = 1 },
+]
+leave = true
+orientation = "fixed"
+direction = 0.0
+time_step = 0.02
+[decision]
+model = "straight"
+exits = [{ name = "out", line = [[20, 6], [22, 6]] }]
+[decision.agents.1]
+desired_speed = 0.0
+"""
+    rows = run(lemons, tmp_path, scenario, "--until", 12)
+    waits = [row for row in rows if row["id"] == 0 and row["t"] > 8]
+    assert all(10.0 < row["x"] < 10.6 for row in waits)
+    assert max(row["agent_contacts"] for row in rows if row["id"] == 1) == 0
