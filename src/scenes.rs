@@ -235,7 +235,7 @@ pub fn law_of<'a>(scene: &'a Scene, contact: &Contact) -> &'a PairLaw {
 pub fn stored(scene: &Scene, contact: &Contact) -> [f64; 2] {
     let law = law_of(scene, contact);
     [(law.normal_stiffness, contact.depth), (law.tangential_stiffness, contact.elongation)]
-        .map(|(stiffness, length)| 0.5 * stiffness * length.powi(2))
+        .map(|(stiffness, length)| 0.5 * scene.share(contact.pair) * stiffness * length.powi(2))
 }
 
 /// Returns the kinetic energy and that of all springs \[J\].

@@ -9,6 +9,7 @@ use super::circle::Circle;
 use super::contact_geometry::Instant;
 use super::contacts::{Impulse, Load, OnWall, OutgoingLoad, SpringUpdate, Sums, WallForce};
 use super::exposure::{ExposureSum, Exposures, FaceSum};
+use super::levels::{ChestForce, ChestSum};
 use super::near_pairs::{Candidates, FIRST_EVALUATION, NearPairs};
 use super::report::ContactReport;
 use super::wall_contacts::WallContacts;
@@ -36,6 +37,8 @@ pub(super) struct Block {
     incoming_impulses: Vec<Impulse>,
     /// The contacts of its bodies with walls at the present instant, by body.
     wall_forces: Vec<WallForce>,
+    /// The contacts of chests at the present instant.
+    chest_forces: Vec<ChestForce>,
     /// The last value returned for its bodies.
     result: f64,
     work: Work,
@@ -55,6 +58,8 @@ pub(super) struct Blocks {
     pub faces: Vec<FaceSum>,
     /// The same for each panel.
     pub panels: Vec<FaceSum>,
+    /// The same for each chest, if some are watched.
+    pub chests: Vec<ChestSum>,
     /// Loads by the contacts: of all bodies if several threads work, else of one block at a time, so that they stay in
     /// the cache.
     loads: Vec<Load>,
@@ -93,6 +98,7 @@ impl Blocks {
             by_walls: vec![0.0; bodies],
             faces: vec![FaceSum::default(); scene.faces.len()],
             panels: vec![FaceSum::default(); scene.panels.count()],
+            chests: ChestSum::of(scene),
             loads: vec![Load::default(); bodies],
             evaluation: FIRST_EVALUATION,
         }
@@ -113,6 +119,7 @@ impl Blocks {
         self.loads.fill(Load::default());
         self.faces.fill(FaceSum::default());
         self.panels.fill(FaceSum::default());
+        self.chests.fill(ChestSum::default());
         for block in &mut self.blocks {
             block.pairs.clear();
             // Already empty, unless a panic was caught.
@@ -186,7 +193,7 @@ impl Blocks {
         let before = self.evaluation;
         // 32 bits, so that a spring has 32 bytes. A communication step has fewer mechanical steps (`MOST_STEPS`).
         self.evaluation += 1;
-        let Blocks { blocks, kinematics, flown, by_walls, faces, panels, loads, .. } = self;
+        let Blocks { blocks, kinematics, flown, by_walls, faces, panels, chests, loads, .. } = self;
         if threads.count() == 1 {
             for k in 0..blocks.len() {
                 let of_block = k * BLOCK..kinematics.len().min((k + 1) * BLOCK);
@@ -223,6 +230,10 @@ impl Blocks {
         add_faces(blocks, faces, duration, |on_wall| Some(on_wall.face.index()));
         if !panels.is_empty() {
             add_faces(blocks, panels, duration, |on_wall| Some(on_wall.panel?.index()));
+        }
+        if !chests.is_empty() {
+            let forces = blocks.iter().flat_map(|block| &block.chest_forces);
+            ChestSum::add_all(chests, forces, duration);
         }
         blocks.iter().map(|block| block.result).fold(0.0, f64::max)
     }
@@ -261,7 +272,8 @@ impl Blocks {
         }
         let faces = self.faces.iter().zip(faces).map(|(sum, end)| sum.exposure(duration, end));
         let panels = self.panels.iter().zip(panels).map(|(sum, end)| sum.share(duration, end));
-        Exposures { bodies: bodies.collect(), faces: faces.collect(), panels: panels.collect() }
+        let chests = ChestSum::exposures(&self.chests, scene, duration, contacts);
+        Exposures { bodies: bodies.collect(), faces: faces.collect(), panels: panels.collect(), chests }
     }
 
     /// Returns the work since the last call.
@@ -273,12 +285,28 @@ impl Blocks {
 impl Block {
     /// Sums the forces of its own pairs; forces on bodies of later blocks are kept for them.
     fn evaluate(&mut self, instant: &Instant, update: SpringUpdate, start: usize, loads: &mut [Load]) {
-        let Block { pairs, walls, outgoing, impulses, outgoing_impulses, wall_forces, work, .. } = self;
+        let Block {
+            pairs,
+            walls,
+            outgoing,
+            impulses,
+            outgoing_impulses,
+            wall_forces,
+            chest_forces,
+            work,
+            ..
+        } = self;
         debug_assert!(loads.iter().all(|load| load.squeeze == 0.0 && load.depth == 0.0), "not taken");
         impulses.clear();
         wall_forces.clear();
-        let mut sums = Sums { start, loads, outgoing, impulses, outgoing_impulses, wall_forces, work };
-        instant.evaluate(pairs, walls, update, &mut sums);
+        chest_forces.clear();
+        let mut sums =
+            Sums { start, loads, outgoing, impulses, outgoing_impulses, wall_forces, chest_forces, work };
+        if instant.scene.levels.is_some() {
+            instant.evaluate::<true>(pairs, walls, update, &mut sums);
+        } else {
+            instant.evaluate::<false>(pairs, walls, update, &mut sums);
+        }
     }
 
     /// Adds the forces from earlier blocks. After that the forces are complete.

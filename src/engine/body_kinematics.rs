@@ -49,6 +49,12 @@ impl BodyKinematics {
         (self.position, self.orientation, self.twist) = (pose.position, pose.orientation, twist);
     }
 
+    /// Returns the rotation by the orientation.
+    #[inline]
+    pub fn turn(&self) -> Rotation {
+        self.turn
+    }
+
     #[cold]
     #[inline(never)]
     fn turn_to(&mut self, orientation: f64) {

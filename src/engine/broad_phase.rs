@@ -237,7 +237,7 @@ pub(super) fn list(
             let disk = &scene.disks[i];
             let own = Circle { centre: kinematics[a].centre(disk.offset), radius: disk.radius };
             for &b in later.iter().filter(|&&b| own.nears(&circles[b], SKIN)) {
-                for j in scene.bodies[b].disks.clone() {
+                for j in disks_beside(scene, i, b) {
                     let disk = &scene.disks[j];
                     let other = Circle { centre: kinematics[b].centre(disk.offset), radius: disk.radius };
                     if own.nears(&other, SKIN) {
@@ -245,7 +245,11 @@ pub(super) fn list(
                     }
                 }
             }
-            let near = faces.iter().filter(|face| own.nears_face(&scene.faces, **face, SKIN));
+            let meets = |face: &FaceId| {
+                let levels = scene.levels.as_ref();
+                levels.is_none_or(|levels| levels.meets_face(i, &scene.faces[face.index()]))
+            };
+            let near = faces.iter().filter(|face| meets(face) && own.nears_face(&scene.faces, **face, SKIN));
             candidates.faces.extend(near.map(|&face| (DiskId::from(i), face)));
             let added = candidates.disks.len() + candidates.faces.len() - before;
             if added > 0 && !limit.take(added) {
@@ -253,6 +257,13 @@ pub(super) fn list(
             }
         }
     }
+}
+
+/// The disks of a body that may touch a disk of another one: all in the plan, else those that have a height in common.
+fn disks_beside(scene: &Scene, disk: usize, body: usize) -> impl Iterator<Item = usize> {
+    let levels = scene.levels.as_deref();
+    let all = levels.is_none().then(|| scene.bodies[body].disks.clone());
+    all.into_iter().chain(levels.into_iter().flat_map(move |levels| levels.beside(disk, body))).flatten()
 }
 
 #[cfg(test)]

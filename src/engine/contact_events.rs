@@ -155,6 +155,13 @@ impl Instant<'_> {
 }
 
 impl ImpulseCorrection {
+    /// Takes a share of the forces.
+    pub fn scale(&mut self, share: f64) {
+        for value in [&mut self.normal, &mut self.tangential, &mut self.squeeze, &mut self.peak] {
+            *value *= share;
+        }
+    }
+
     /// For a contact that lasted a time \[s\] within a step, between its event and the evaluation;
     /// see [`ContactEvent::whole`].
     fn of(event: &Reaction, evaluated: &Reaction, lasted: f64, dt: f64, whole: bool) -> ImpulseCorrection {

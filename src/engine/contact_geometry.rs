@@ -100,6 +100,13 @@ impl ContactGeometry<'_> {
 }
 
 impl ContactForce {
+    /// Takes a share of the forces.
+    #[inline(always)]
+    pub fn scale(&mut self, share: f64) {
+        self.reaction.normal *= share;
+        self.reaction.tangential *= share;
+    }
+
     /// \[N\] on the receiver.
     #[inline]
     pub fn vector(&self) -> Vec2 {

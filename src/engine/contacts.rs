@@ -3,10 +3,13 @@
 use super::contact_events::ImpulseCorrection;
 use super::contact_geometry::{ContactForce, ContactGeometry, Instant};
 use super::contact_law::{Relaxation, SpringHistory, normal_force, react};
-use super::near_pairs::{AT_ONCE, DiskPair, FacePair, NearPairs, Overlapping, Separation, Spring};
+use super::levels::ChestForce;
+use super::near_pairs::{
+    AT_ONCE, DiskPair, DiskPairDetail, FacePair, NearPairs, Overlapping, Separation, Spring,
+};
 use super::overlap::{Proximity, proximity};
 use super::wall_contacts::WallContacts;
-use super::{BodyId, FaceId, PairLaw, PanelId, Regime, Scene, Wrench};
+use super::{BodyId, DiskId, FaceId, PairLaw, PanelId, Regime, Scene, Wrench};
 use lemons_core::plane::InPlane;
 
 /// How an evaluation changes the springs.
@@ -158,6 +161,8 @@ pub(super) struct Sums<'a> {
     pub outgoing_impulses: &'a mut Vec<Impulse>,
     /// The contacts with walls at this instant, by body.
     pub wall_forces: &'a mut Vec<WallForce>,
+    /// The contacts of chests at this instant, and their impulses.
+    pub chest_forces: &'a mut Vec<ChestForce>,
     pub work: &'a mut Work,
 }
 
@@ -185,17 +190,20 @@ impl Sums<'_> {
     /// A contact that began within a step. Returns what the pair keeps of it, after the evaluation `now`.
     #[cold]
     #[inline(never)]
-    fn begin(
+    fn begin<const LEVELS: bool>(
         &mut self,
         receiver: BodyId,
         other: Other,
         law: &PairLaw,
         began: (ContactForce, ImpulseCorrection),
+        share: f64,
         now: u32,
     ) -> Spring {
+        let spring = kept(law, &began.0, now);
+        let began = shared::<LEVELS>(began, share);
         self.add_impulse(receiver, other, &began);
         self.add(receiver, other, &began.0);
-        kept(law, &began.0, now)
+        spring
     }
 
     /// The impulse of a contact that began or ended within a step, on both bodies.
@@ -236,7 +244,10 @@ impl Sums<'_> {
 impl Instant<'_> {
     /// Sums the contact wrenches of a block's pairs, and lets their springs advance according to `update`. Contacts
     /// that began or ended within the last step give impulses.
-    pub fn evaluate(
+    ///
+    /// `LEVELS`: whether things have heights. The law is homogeneous: forces over a share of the load length are this share
+    /// of the forces, and springs are the same.
+    pub fn evaluate<const LEVELS: bool>(
         &self,
         pairs: &mut NearPairs,
         walls: &mut WallContacts,
@@ -245,20 +256,26 @@ impl Instant<'_> {
     ) {
         sums.work.pairs += (pairs.disks.len() + pairs.faces.len()) as u64;
         for start in (0..pairs.disks.len()).step_by(AT_ONCE) {
-            self.evaluate_disks(pairs, start, update, sums);
+            self.evaluate_disks::<LEVELS>(pairs, start, update, sums);
         }
         let NearPairs { faces, face_springs, .. } = pairs;
         let mut springs = &mut face_springs[..];
         for of_disk in faces.chunk_by(|one, next| one.disk == next.disk) {
             let (springs_of_disk, others) = springs.split_at_mut(of_disk.len());
             springs = others;
-            self.evaluate_walls(of_disk, springs_of_disk, walls, update, sums);
+            self.evaluate_walls::<LEVELS>(of_disk, springs_of_disk, walls, update, sums);
         }
     }
 
     /// The next [`AT_ONCE`] pairs of disks.
     #[inline(always)]
-    fn evaluate_disks(&self, pairs: &mut NearPairs, start: usize, update: SpringUpdate, sums: &mut Sums) {
+    fn evaluate_disks<const LEVELS: bool>(
+        &self,
+        pairs: &mut NearPairs,
+        start: usize,
+        update: SpringUpdate,
+        sums: &mut Sums,
+    ) {
         let next = start..pairs.disks.len().min(start + AT_ONCE);
         // Of one length, so that one check of an index is enough.
         let (disks, details) = (&pairs.disks[next.clone()], &pairs.disk_details[next.clone()]);
@@ -276,15 +293,23 @@ impl Instant<'_> {
                 Proximity::Touching(overlap) => self.disk_geometry(pair, detail, &separation, overlap),
             };
             let continues = spring.touched_at == self.before;
+            let (who, share) = ([detail.first, detail.second], self.share_of_disks::<LEVELS>(detail));
             if let SpringUpdate::Over(step) = update
                 && !continues
             {
                 // A copy, so that the geometry itself stays in registers.
                 let began = self.disks_began(&{ geometry }, step.dt);
-                *spring = sums.begin(receiver, Other::Body(giver), geometry.law, began, self.before + 1);
+                self.watch_chests::<LEVELS>(who, &began.0, Some(&began.1), share, sums);
+                self.watch_chests::<LEVELS>(who, &began.0, None, share, sums);
+                let (now, giver) = (self.before + 1, Other::Body(giver));
+                *spring = sums.begin::<LEVELS>(receiver, giver, geometry.law, began, share, now);
             } else {
-                let force = contact_force(&geometry, continues.then_some(&*spring), update);
+                let mut force = contact_force(&geometry, continues.then_some(&*spring), update);
                 *spring = kept(geometry.law, &force, self.before + 1);
+                self.watch_chests::<LEVELS>(who, &force, None, share, sums);
+                if LEVELS {
+                    force.scale(share);
+                }
                 sums.add(receiver, Other::Body(giver), &force);
             }
             touching |= 1 << k;
@@ -294,12 +319,12 @@ impl Instant<'_> {
         if let SpringUpdate::Over(step) = update
             && ended != 0
         {
-            self.end_disks(pairs, start, ended, step.dt, sums);
+            self.end_disks::<LEVELS>(pairs, start, ended, step.dt, sums);
         }
     }
 
     /// The pairs of one disk and the faces near it.
-    fn evaluate_walls(
+    fn evaluate_walls<const LEVELS: bool>(
         &self,
         pairs: &[FacePair],
         springs: &mut [Spring],
@@ -320,6 +345,8 @@ impl Instant<'_> {
             sums.work.contacts += 1;
             let geometry = self.face_geometry(&pairs[k], contact.overlap, contact.part);
             let face = on_wall(pairs[k].face);
+            let (who, share, now) =
+                ([pairs[k].disk; 2], self.share_of_face::<LEVELS>(&pairs[k]), self.before + 1);
             let from = walls.keeps(scene, pairs, springs, contact, disk.centre, self.before);
             match (from, update) {
                 (Some(from), SpringUpdate::Over(step))
@@ -329,25 +356,36 @@ impl Instant<'_> {
                 {
                     let [ended, began] = passed;
                     springs[from] = Spring::RELAXED;
-                    sums.add_impulse(body, on_wall(pairs[from].face), &ended);
-                    springs[k] = sums.begin(body, face, geometry.law, began, self.before + 1);
+                    let left = self.share_of_face::<LEVELS>(&pairs[from]);
+                    self.watch_chests::<LEVELS>(who, &ended.0, Some(&ended.1), left, sums);
+                    sums.add_impulse(body, on_wall(pairs[from].face), &shared::<LEVELS>(ended, left));
+                    self.watch_chests::<LEVELS>(who, &began.0, Some(&began.1), share, sums);
+                    self.watch_chests::<LEVELS>(who, &began.0, None, share, sums);
+                    springs[k] = sums.begin::<LEVELS>(body, face, geometry.law, began, share, now);
                 }
                 (None, SpringUpdate::Over(step)) => {
                     if springs[k].touched_at == self.before
                         && let Some(ended) = self.face_ended(&pairs[k], None, &springs[k], step.dt)
                     {
                         // It touches another part of the same face.
-                        sums.add_impulse(body, face, &ended);
+                        self.watch_chests::<LEVELS>(who, &ended.0, Some(&ended.1), share, sums);
+                        sums.add_impulse(body, face, &shared::<LEVELS>(ended, share));
                     }
                     let began = self.face_began(&pairs[k], contact, &{ geometry }, step.dt);
-                    springs[k] = sums.begin(body, face, geometry.law, began, self.before + 1);
+                    self.watch_chests::<LEVELS>(who, &began.0, Some(&began.1), share, sums);
+                    self.watch_chests::<LEVELS>(who, &began.0, None, share, sums);
+                    springs[k] = sums.begin::<LEVELS>(body, face, geometry.law, began, share, now);
                 }
                 _ => {
-                    let force = contact_force(&geometry, from.map(|from| &springs[from]), update);
+                    let mut force = contact_force(&geometry, from.map(|from| &springs[from]), update);
                     if let Some(from) = from {
                         springs[from] = Spring::RELAXED;
                     }
-                    springs[k] = kept(geometry.law, &force, self.before + 1);
+                    springs[k] = kept(geometry.law, &force, now);
+                    self.watch_chests::<LEVELS>(who, &force, None, share, sums);
+                    if LEVELS {
+                        force.scale(share);
+                    }
                     sums.add(body, face, &force);
                 }
             }
@@ -356,20 +394,64 @@ impl Instant<'_> {
         for (k, spring) in springs.iter().enumerate().filter(|(_, spring)| spring.touched_at == self.before) {
             let held = walls.found().iter().find(|contact| contact.place == k);
             if let Some(ended) = self.face_ended(&pairs[k], held, spring, step.dt) {
-                sums.add_impulse(body, on_wall(pairs[k].face), &ended);
+                let share = self.share_of_face::<LEVELS>(&pairs[k]);
+                self.watch_chests::<LEVELS>([pairs[k].disk; 2], &ended.0, Some(&ended.1), share, sums);
+                sums.add_impulse(body, on_wall(pairs[k].face), &shared::<LEVELS>(ended, share));
             }
         }
     }
 
     /// Pairs of disks that touched in the evaluation before and do not touch now.
     #[cold]
-    fn end_disks(&self, pairs: &NearPairs, start: usize, ended: u32, dt: f64, sums: &mut Sums) {
+    fn end_disks<const LEVELS: bool>(
+        &self,
+        pairs: &NearPairs,
+        start: usize,
+        ended: u32,
+        dt: f64,
+        sums: &mut Sums,
+    ) {
         for k in places(ended).map(|place| start + place) {
             let (pair, detail, spring) = (&pairs.disks[k], &pairs.disk_details[k], &pairs.disk_springs[k]);
             if let Some(ended) = self.disks_ended(pair, detail, spring, dt) {
+                let (who, share) = ([detail.first, detail.second], self.share_of_disks::<LEVELS>(detail));
+                self.watch_chests::<LEVELS>(who, &ended.0, Some(&ended.1), share, sums);
+                let ended = shared::<LEVELS>(ended, share);
                 sums.add_impulse(pair.first_body, Other::Body(pair.second_body), &ended);
             }
         }
+    }
+
+    /// Notes the force of a contact, or its impulse besides the force, for the chests that it presses. `who`: the disks; both
+    /// are the same at a wall.
+    #[inline(always)]
+    fn watch_chests<const LEVELS: bool>(
+        &self,
+        who: [DiskId; 2],
+        force: &ContactForce,
+        impulse: Option<&ImpulseCorrection>,
+        share: f64,
+        sums: &mut Sums,
+    ) {
+        let levels = self.scene.levels.as_deref();
+        if LEVELS && let Some(levels) = levels.filter(|levels| levels.watches_chests()) {
+            let turn = |disk| self.kinematics[self.scene.body_of(disk).index()].turn();
+            sums.chest_forces.extend(levels.chest_forces(self.scene, who, turn, force, impulse, share));
+        }
+    }
+
+    /// \[1\] The share of the load length over which two disks touch.
+    #[inline(always)]
+    pub fn share_of_disks<const LEVELS: bool>(&self, detail: &DiskPairDetail) -> f64 {
+        let levels = self.scene.levels.as_deref().filter(|_| LEVELS);
+        levels.map_or(1.0, |levels| levels.share_of_disks(detail.first, detail.second))
+    }
+
+    /// \[1\] The same of a disk and a face.
+    #[inline(always)]
+    pub fn share_of_face<const LEVELS: bool>(&self, pair: &FacePair) -> f64 {
+        let levels = self.scene.levels.as_deref().filter(|_| LEVELS);
+        levels.map_or(1.0, |levels| levels.share_of_face(pair.disk, &self.scene.faces[pair.face.index()]))
     }
 
     /// Finds the overlapping pairs among at most [`AT_ONCE`], and their indices. It has no branches, because processors
@@ -419,6 +501,19 @@ pub(super) fn contact_force(
         (None, _) => react(law, normal, slip_speed, 0.0),
     };
     geometry.with(reaction)
+}
+
+/// The share of an event that acts where things have heights.
+#[inline(always)]
+fn shared<const LEVELS: bool>(
+    (mut force, mut by): (ContactForce, ImpulseCorrection),
+    share: f64,
+) -> (ContactForce, ImpulseCorrection) {
+    if LEVELS {
+        force.scale(share);
+        by.scale(share);
+    }
+    (force, by)
 }
 
 /// Returns what the pair keeps of a contact of the evaluation `now`.

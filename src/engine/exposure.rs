@@ -2,6 +2,7 @@
 
 use super::BodyContacts;
 use super::contacts::{Impulse, Load, greater};
+use super::levels::ChestExposure;
 use serde::{Deserialize, Serialize};
 
 /// Effects of the contacts on a body during the last communication step. All of its mechanical steps count, whereas
@@ -110,12 +111,14 @@ pub struct Exposures {
     pub faces: Vec<FaceExposure>,
     /// One for each panel.
     pub panels: Vec<FaceExposure>,
+    /// One for each body, if the load on some chest is found.
+    pub chests: Vec<ChestExposure>,
 }
 
 impl Exposures {
-    /// Returns the numbers of bodies, faces and panels.
-    pub fn counts(&self) -> [usize; 3] {
-        [self.bodies.len(), self.faces.len(), self.panels.len()]
+    /// Returns the numbers of bodies, faces, panels and chests.
+    pub fn counts(&self) -> [usize; 4] {
+        [self.bodies.len(), self.faces.len(), self.panels.len(), self.chests.len()]
     }
 
     /// Adds those of the time before: makes them of both, `so_far` \[s\] and then `duration` \[s\].
@@ -127,6 +130,8 @@ impl Exposures {
             last.mean_force = last.mean_force.min(last.peak_force);
         }
         let both = self.panels.iter_mut().zip(&before.panels);
+        both.for_each(|(last, before)| *last = before.and(so_far, last, duration));
+        let both = self.chests.iter_mut().zip(&before.chests);
         both.for_each(|(last, before)| *last = before.and(so_far, last, duration));
     }
 }

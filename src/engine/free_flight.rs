@@ -330,6 +330,7 @@ mod tests {
             disks: 0..1,
             bounding_radius: 0.2,
             reach: 0.0,
+            extent: vec2(0.4, 0.4),
         }
     }
 

@@ -1,7 +1,9 @@
 //! Contacts at an instant, for those who ask.
 
+use super::compression::ForceMoments;
 use super::contact_geometry::{ContactForce, Instant};
 use super::contacts::{SpringUpdate, contact_force};
+use super::levels::ChestForce;
 use super::near_pairs::NearPairs;
 use super::overlap::{Proximity, proximity};
 use super::wall_contacts::WallContacts;
@@ -66,10 +68,13 @@ pub struct BodyContacts {
     pub wall_squeeze: f64,
     /// The sum of the forces of its contacts, and of their torques about the centre of mass.
     pub wrench: Wrench,
+    /// The moments of these forces: what presses it together.
+    pub moments: ForceMoments,
 }
 
 impl BodyContacts {
-    fn take(&mut self, wrench: &Wrench) {
+    fn take(&mut self, wrench: &Wrench, moments: &ForceMoments) {
+        self.moments.add(moments, 1.0);
         self.wrench.force += wrench.force;
         self.wrench.torque += wrench.torque;
     }
@@ -90,6 +95,8 @@ pub struct ContactReport {
     pub coincident: Vec<Pair>,
     /// \[m\] the deepest overlap; zero without contacts.
     pub largest_overlap: f64,
+    /// What the contacts do to the chests that are watched.
+    pub(super) chest_forces: Vec<ChestForce>,
 }
 
 impl ContactReport {
@@ -145,9 +152,15 @@ impl Instant<'_> {
                     let spring = (spring.touched_at == self.before).then_some(spring);
                     let geometry = self.disk_geometry(pair, detail, &separation, overlap);
                     let force = contact_force(&geometry, spring, SpringUpdate::Hold);
+                    let force = self.shared(force, who, &mut report);
                     let vector = force.vector();
-                    report.bodies[pair.first_body.index()].take(&force.on_receiver(vector));
-                    report.bodies[pair.second_body.index()].take(&force.on_giver(vector));
+                    let sides =
+                        [(pair.first_body, force.arm, vector), (pair.second_body, force.other_arm, -vector)];
+                    for (body, arm, vector) in sides {
+                        let moments = ForceMoments::of(self.kinematics[body.index()].turn(), arm, vector);
+                        let wrench = Wrench { force: vector, torque: arm.perp(&vector) };
+                        report.bodies[body.index()].take(&wrench, &moments);
+                    }
                     report.add(who, force.overlap.depth, Some(&force))
                 }
             };
@@ -172,6 +185,22 @@ impl Instant<'_> {
         report
     }
 
+    /// Returns the share of a force that acts where things have heights; and notes what it does to chests.
+    fn shared(&self, mut force: ContactForce, pair: Pair, report: &mut ContactReport) -> ContactForce {
+        let Some(levels) = &self.scene.levels else { return force };
+        let share = self.scene.share(pair);
+        if levels.watches_chests() {
+            let who = match pair {
+                Pair::Disks { first, second } => [first, second],
+                Pair::Face { disk, .. } => [disk; 2],
+            };
+            let turn = |disk| self.kinematics[self.scene.body_of(disk).index()].turn();
+            report.chest_forces.extend(levels.chest_forces(self.scene, who, turn, &force, None, share));
+        }
+        force.scale(share);
+        force
+    }
+
     /// Adds the contacts with walls.
     fn report_walls(&self, pairs: &NearPairs, report: &mut ContactReport) {
         let mut walls = WallContacts::default();
@@ -193,7 +222,11 @@ impl Instant<'_> {
                     let geometry = self.face_geometry(&pair, contact.overlap, contact.part);
                     let spring = from.map(|from| &springs_of_disk[from]);
                     let force = contact_force(&geometry, spring, SpringUpdate::Hold);
-                    report.bodies[body.index()].take(&force.on_receiver(force.vector()));
+                    let force = self.shared(force, who, report);
+                    let vector = force.vector();
+                    let turn = self.kinematics[body.index()].turn();
+                    let moments = ForceMoments::of(turn, force.arm, vector);
+                    report.bodies[body.index()].take(&force.on_receiver(vector), &moments);
                     report.add(who, force.overlap.depth, Some(&force))
                 };
                 let body = &mut report.bodies[body.index()];

@@ -3,11 +3,12 @@
 use super::circle::Circle;
 use super::face::{Along, Continuation, Face, nearest_on_face};
 use super::face_grid::FaceGrid;
+use super::levels::{self, Levels};
 use super::panels::Panels;
 use super::slope::Slopes;
-use super::{BodyId, CornerId, DiskId, FaceId, InPlane, LineId, Vec2, WallId, rotation};
+use super::{BodyId, CornerId, DiskId, FaceId, InPlane, LineId, Pair, Vec2, WallId, rotation};
 use lemons_core::plane::{shown_orientation, vec2};
-use lemons_core::trial::{Ground, Wall};
+use lemons_core::trial::{Ground, Heights, Wall};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -119,6 +120,8 @@ pub struct Body {
     pub bounding_radius: f64,
     /// \[m\] distance of the farthest disk's centre from the centre of mass.
     pub reach: f64,
+    /// \[m\] Extent along the gaze, and across it.
+    pub extent: Vec2,
 }
 
 impl Body {
@@ -196,6 +199,8 @@ pub struct Scene {
     pub(super) face_grid: FaceGrid,
     pub(super) panels: Panels,
     pub(super) slopes: Arc<Slopes>,
+    /// Heights of disks and walls; none in a plan view.
+    pub levels: Option<Arc<Levels>>,
 }
 
 impl Scene {
@@ -215,6 +220,7 @@ impl Scene {
             face_grid: FaceGrid::default(),
             panels: Panels::default(),
             slopes: Arc::default(),
+            levels: None,
         };
         let mut flyers = HashMap::new();
         for spec in bodies {
@@ -239,6 +245,22 @@ impl Scene {
     /// Adds slopes, which pull bodies downhill.
     pub fn with_grounds(self, grounds: &[Ground]) -> Scene {
         Scene { slopes: Arc::new(Slopes::new(grounds)), ..self }
+    }
+
+    /// Gives disks and walls heights. Walls whose heights differ are not joined where they meet.
+    pub fn with_levels(self, levels: Levels) -> Scene {
+        let present = vec![true; self.walls.len()];
+        Scene { levels: Some(Arc::new(levels)), ..self }.with_walls(&present)
+    }
+
+    /// \[1\] Returns the share of the load length over which a pair touches: of its forces by its law. It is 1 in a plan
+    /// view.
+    pub fn share(&self, pair: Pair) -> f64 {
+        let Some(levels) = &self.levels else { return 1.0 };
+        match pair {
+            Pair::Disks { first, second } => levels.share_of_disks(first, second),
+            Pair::Face { disk, face, .. } => levels.share_of_face(disk, &self.faces[face.index()]),
+        }
     }
 
     /// \[m/s2\] Returns the acceleration downhill at a place, by what feet do not hold.
@@ -302,6 +324,7 @@ impl Scene {
             flyer,
             bounding_radius: own.iter().map(|disk| disk.offset.norm() + disk.radius).fold(0.0, f64::max),
             reach: own.iter().map(|disk| disk.offset.norm()).fold(0.0, f64::max),
+            extent: levels::extent(own.iter()).unwrap_or_default(),
             disks,
         });
     }
@@ -310,6 +333,7 @@ impl Scene {
     fn add_wall(&mut self, wall: WallId, places: &mut Places, present: bool) {
         let spec = &self.walls[wall.index()];
         let first_face = self.faces.len();
+        let heights = self.levels.as_ref().map_or(0, |levels| places.place_of(levels.of_wall(wall.index())));
         for ends in spec.corners.windows(2) {
             let face = FaceId::from(self.faces.len());
             let [start_corner, end_corner] = [ends[0], ends[1]].map(|position| {
@@ -317,7 +341,7 @@ impl Scene {
                     self.corners.push(Corner::new(position));
                     return CornerId::from(self.corners.len() - 1);
                 }
-                let at = places.corner_at(position, &mut self.corners);
+                let at = places.corner_at(position, heights, &mut self.corners);
                 let faces = &mut self.corners[at].faces;
                 if faces.last() != Some(&face) {
                     faces.push(face);
@@ -430,7 +454,9 @@ impl Scene {
             let found = self.face_grid.candidates(&place, SAME_POINT, &mut scratch);
             let passes = |through: &FaceId| {
                 let (nearest, along) = nearest_on_face(&self.faces[through.index()], place.centre);
-                along == Along::Inside && (nearest - place.centre).norm() <= SAME_POINT
+                along == Along::Inside
+                    && (nearest - place.centre).norm() <= SAME_POINT
+                    && self.corners[at].faces.first().is_none_or(|end| self.same_heights(*end, *through))
             };
             let ends = &self.corners[at].faces;
             let through: Vec<FaceId> =
@@ -458,6 +484,12 @@ impl Scene {
         for (one, other) in self.doubled.clone() {
             self.join(one, other);
         }
+    }
+
+    /// Whether the walls of two faces have the same heights.
+    fn same_heights(&self, one: FaceId, other: FaceId) -> bool {
+        let wall = |face: FaceId| self.faces[face.index()].wall.index();
+        self.levels.as_ref().is_none_or(|levels| levels.of_wall(wall(one)) == levels.of_wall(wall(other)))
     }
 
     fn join(&mut self, one: FaceId, other: FaceId) {
@@ -498,24 +530,35 @@ impl Scene {
 /// Finds the corner at a place.
 #[derive(Default)]
 struct Places {
-    /// Corners by cells of [`SAME_POINT`].
-    cells: HashMap<[u64; 2], usize>,
+    /// Corners by cells of [`SAME_POINT`], and by the heights of their walls.
+    cells: HashMap<[u64; 3], usize>,
+    heights: Vec<Heights>,
 }
 
 impl Places {
+    /// Returns a number for some heights.
+    fn place_of(&mut self, heights: &Heights) -> u64 {
+        let known = self.heights.iter().position(|known| known == heights);
+        let at = known.unwrap_or_else(|| {
+            self.heights.push(*heights);
+            self.heights.len() - 1
+        });
+        at as u64
+    }
+
     /// Returns the index of the corner at a place; a new one if there is none.
-    fn corner_at(&mut self, position: Vec2, corners: &mut Vec<Corner>) -> usize {
+    fn corner_at(&mut self, position: Vec2, heights: u64, corners: &mut Vec<Corner>) -> usize {
         // + 0.0 makes −0 and 0 the same key.
         let cell = |x: f64, beside: f64| ((x / SAME_POINT).floor() + beside + 0.0).to_bits();
         let near = [0.0, -1.0, 1.0].into_iter().flat_map(|dx| [0.0, -1.0, 1.0].map(|dy| (dx, dy)));
         for (dx, dy) in near {
-            let found = self.cells.get(&[cell(position.x, dx), cell(position.y, dy)]);
+            let found = self.cells.get(&[cell(position.x, dx), cell(position.y, dy), heights]);
             if let Some(&at) = found.filter(|&&at| (corners[at].position - position).norm() <= SAME_POINT) {
                 return at;
             }
         }
         let at = corners.len();
-        self.cells.insert([cell(position.x, 0.0), cell(position.y, 0.0)], at);
+        self.cells.insert([cell(position.x, 0.0), cell(position.y, 0.0), heights], at);
         corners.push(Corner::new(position));
         at
     }

@@ -10,8 +10,8 @@ use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
 use super::slope::OnSlopes;
 use super::{
-    Body, BodyId, DiskId, Exposure, Exposures, FaceExposure, InPlane, Pose, Scene, Shortlisting, State,
-    Threads, ThreadsError, Twist, Vec2, WallId, Work, Wrench, rotation,
+    Body, BodyId, ChestExposure, Compression, DiskId, Exposure, Exposures, FaceExposure, InPlane, Pose,
+    Scene, Shortlisting, State, Threads, ThreadsError, Twist, Vec2, WallId, Work, Wrench, rotation,
 };
 use lemons_core::plane::{Motion, body_meets};
 use thiserror::Error;
@@ -354,6 +354,16 @@ impl World {
     /// centre.
     pub fn panel_exposures(&self) -> &[FaceExposure] {
         &self.exposures.panels
+    }
+
+    /// Returns the load on each chest in the last communication step; empty if no chest is watched ([`Levels::new`]).
+    pub fn chest_exposures(&self) -> &[ChestExposure] {
+        &self.exposures.chests
+    }
+
+    /// Returns what presses a body together in the present state: its contacts, over its extent.
+    pub fn compression(&self, body: BodyId) -> Compression {
+        self.contacts.bodies[body.index()].moments.compression(self.scene.bodies[body.index()].extent)
     }
 
     /// \[N/m\] Returns mean and peak load of a panel, over its length; 0 if there is no such panel, or it has no length.

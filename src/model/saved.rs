@@ -5,7 +5,7 @@ use super::output::make_directory;
 use super::packed::{Drive, Packed};
 use super::running::give_threads;
 use super::settings::Settings;
-use crate::engine::{BodyId, Exposure, Exposures, FaceExposure, State, World, Wrench};
+use crate::engine::{BodyId, ChestExposure, Exposure, Exposures, FaceExposure, State, World, Wrench};
 use crate::quantities::{CrowdQuantity, shared};
 use crate::setup::Setup;
 use lemons_core::plane::InPlane;
@@ -165,6 +165,7 @@ fn check_running(world: &World, trial: &Trial, running: &Running) -> Answer<()> 
     let finite = running.drive.iter().all(finite)
         && running.exposures.bodies.iter().all(exposed)
         && running.exposures.faces.iter().all(pressed)
+        && running.exposures.chests.iter().all(ChestExposure::is_finite)
         && running.exposures.panels.iter().all(|of| of.mean_force.is_finite() && positive(of.peak_force))
         && state.poses.iter().all(|pose| pose.position.is_finite() && pose.orientation.is_finite())
         && state.twists.iter().all(|twist| twist.velocity.is_finite() && twist.angular_velocity.is_finite())

@@ -5,10 +5,11 @@
 //! stiffer spring and the stronger damper. The step is of second order, so errors grow with (Ω dt)².
 
 use super::Setup;
-use crate::engine::Scene;
+use crate::engine::{BodyId, Levels, Scene};
 use lemons_core::message::{Message, message};
 use lemons_core::rule::sentences::*;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// A mechanical step longer than this fraction of the shortest contact period causes a warning. Up to it, without
 /// damping, bodies separate at most 1 % faster than they met.
@@ -104,6 +105,9 @@ impl Setup<'_> {
         for (b, body) in scene.bodies.iter().enumerate() {
             // Acceleration of a point at the body's rim per unit of force there.
             let lightness = 1.0 / body.mass + body.bounding_radius * body.bounding_radius / body.inertia;
+            // Pressed over all its height, a body in levels may be stiffer than in the plan.
+            let of_levels = |levels: &Arc<Levels>| levels.greatest_share(BodyId::from(b)).max(1.0);
+            let lightness = lightness * scene.levels.as_ref().map_or(1.0, of_levels);
             let mut carried: Vec<usize> = body.disks.clone().map(|disk| scene.disks[disk].material).collect();
             carried.sort_unstable();
             carried.dedup();

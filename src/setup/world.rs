@@ -2,8 +2,8 @@
 
 use super::Setup;
 use crate::engine::{
-    AdvanceError, BodyId, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw,
-    Scene, State, WallId, WallSpec, World, Wrench, elongation_vector,
+    AdvanceError, BodyId, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Levels, Pair,
+    PairLaw, Scene, State, WallId, WallSpec, World, Wrench, elongation_vector,
 };
 use lemons_core::message::{Message, message};
 use lemons_core::plane::{InPlane, Motion, Pose, Twist, segments_touch};
@@ -114,7 +114,25 @@ impl Setup<'_> {
             laws.set(pair.0, pair.1, law);
         }
         let longest: Vec<_> = self.geometry.walls.iter().map(|wall| wall.panel_length).collect();
-        Ok(Scene::new(&bodies, &walls, laws).with_panels(&longest).with_grounds(&self.geometry.grounds))
+        let scene = Scene::new(&bodies, &walls, laws).with_panels(&longest);
+        let scene = scene.with_grounds(&self.geometry.grounds);
+        Ok(match self.levels() {
+            Some(levels) => scene.with_levels(levels),
+            None => scene,
+        })
+    }
+
+    /// Returns the heights of disks and walls; none in a plan view in which no load on a chest is to be found.
+    fn levels(&self) -> Option<Levels> {
+        let disks = || self.agents.iter().map(|agent| agent.shapes.iter().map(|shape| shape.heights));
+        let walls = || self.geometry.walls.iter().map(|wall| wall.heights);
+        let is_plan = disks().flatten().chain(walls()).all(|heights| heights.is_all());
+        let chests: Vec<_> = self.agents.iter().map(|agent| agent.chest_height).collect();
+        if is_plan && chests.iter().all(Option::is_none) {
+            return None;
+        }
+        let bodies: Vec<Vec<_>> = disks().map(Iterator::collect).collect();
+        Some(Levels::new(self.materials.load_length, &bodies, walls().collect(), &chests))
     }
 
     /// Returns the state in `AgentDynamics.xml`, with the springs of `AgentInteractions.xml`.

@@ -2,6 +2,7 @@
 //! independent integrators stands in the table of `lemons verify` (crates/verify).
 
 mod doors;
+mod levels;
 mod ramp;
 mod shortlist;
 mod slopes;

@@ -97,13 +97,14 @@ impl ReadingArguments {
     /// Returns a Trial with the walls and, for each person, a body of one disk: nobody knows more.
     pub fn assumed_trial(&self, record: &Record, radius: f64) -> Result<Trial> {
         let geometry = self.walls(record)?;
-        let shape = ShapeElement { radius, material_id: WALLS.into(), position: Vec2::zeros() };
+        let heights = Default::default();
+        let shape = ShapeElement { radius, material_id: WALLS.into(), position: Vec2::zeros(), heights };
         let agent = |id: &String| Agent { id: id.clone(), shapes: vec![shape.clone()], ..Agent::default() };
         Ok(Trial {
             name: record.source().display().to_string(),
             directory: PathBuf::new(),
             parameters: Parameters::default(),
-            materials: Materials { intrinsic: Vec::new(), binary: Vec::new() },
+            materials: Materials::default(),
             geometry,
             agents: record.ids().iter().map(agent).collect(),
             dynamics: record.first().iter().map(AgentDynamics::of).collect(),

@@ -9,6 +9,7 @@ mod drive;
 mod dynamics;
 mod geometry;
 mod ground;
+mod heights;
 mod interactions;
 mod link;
 mod materials;
@@ -27,6 +28,7 @@ pub use drive::{DRIVE_FILE, DriveChoice, DriveTable, DriveValues, EVER, half_sin
 pub use dynamics::{AgentDynamics, DynamicsElement, dynamics_xml};
 pub use geometry::{Geometry, Wall};
 pub use ground::{GRAVITY, Ground, Grounds, Incline};
+pub use heights::{Heights, LOAD_LENGTH};
 pub use interactions::{AgentInteraction, ContactForce, Interactions, WallInteraction, interactions_xml};
 pub use link::{Link, LinkPassage, carried_from};
 pub use materials::{ContactCoefficients, Material, Materials, pairs_that_touch, stiffness};

@@ -174,6 +174,7 @@ fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, Agent
         radius: disk.radius,
         material_id: material_id.to_owned(),
         position: disk.centre,
+        heights: Default::default(),
     };
     let agent = Agent {
         mass: person.mass,

@@ -41,7 +41,7 @@ const LUGGAGE: &str = "luggage";
 /// people is that with concrete (their m\* is not twice as large: 849 would be the same e). `docs/guide/squeeze.md` has
 /// the sources.
 pub fn materials() -> Materials {
-    let Materials { mut intrinsic, mut binary } = paper_materials();
+    let Materials { mut intrinsic, mut binary, load_length } = paper_materials();
     intrinsic.push(Material { id: SOFT.into(), young_modulus: 2.9e4, shear_modulus: 1e4 });
     let others = [
         ("concrete", 1200.0, 0.5),
@@ -63,5 +63,5 @@ pub fn materials() -> Materials {
         }
         intrinsic.push(Material { id: id.into(), young_modulus, shear_modulus });
     }
-    Materials { intrinsic, binary }
+    Materials { load_length, intrinsic, binary }
 }

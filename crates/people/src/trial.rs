@@ -116,6 +116,7 @@ fn body(agent: &crate::CrowdMember, id: usize, settings: &TrialSettings) -> Resu
         radius: disk.radius,
         material_id: material.unwrap_or_else(|| settings.people.clone()),
         position: disk.centre,
+        heights: Default::default(),
     };
     Ok(Agent {
         agent_type: Some("pedestrian".into()),
@@ -127,6 +128,7 @@ fn body(agent: &crate::CrowdMember, id: usize, settings: &TrialSettings) -> Resu
         floor_damping: FLOOR_DAMPING,
         floor_damping_across: kind.and_then(|kind| kind.floor_damping_across),
         angular_damping: FLOOR_DAMPING,
+        chest_height: None,
         shapes: disks.into_iter().map(shape).collect(),
     })
 }
@@ -152,10 +154,10 @@ impl TrialSettings {
         let used: HashSet<&String> = of_walls.chain(of_disks).chain([&self.people]).collect();
         let paper = paper_materials().intrinsic;
         let has = |id: &String| used.contains(id) || paper.iter().any(|material| material.id == *id);
-        let Materials { mut intrinsic, mut binary } = materials();
+        let Materials { mut intrinsic, mut binary, load_length } = materials();
         intrinsic.retain(|material| has(&material.id));
         binary.retain(|contact| has(&contact.id1) && has(&contact.id2));
-        Materials { intrinsic, binary }
+        Materials { load_length, intrinsic, binary }
     }
 
     /// Checks that people and walls are of known materials; each of these has contacts with all others.
@@ -349,11 +351,11 @@ mod tests {
     fn the_softer_chest_is_there_on_request() {
         let people = SKINS[2].to_owned();
         let soft = two(&TrialSettings { people, ..TrialSettings::default() }).unwrap();
-        let Materials { mut intrinsic, mut binary } = materials();
+        let Materials { mut intrinsic, mut binary, load_length } = materials();
         let is_part = |id: &String| crate::PART_MATERIALS.contains(&&**id);
         intrinsic.retain(|material| !is_part(&material.id));
         binary.retain(|contact| !is_part(&contact.id1) && !is_part(&contact.id2));
-        assert_eq!(soft.materials, Materials { intrinsic, binary });
+        assert_eq!(soft.materials, Materials { load_length, intrinsic, binary });
         assert_eq!(soft.parameters.time_step_mechanical, 5e-4);
         assert_eq!(two(&TrialSettings::default()).unwrap().materials, paper_materials());
     }

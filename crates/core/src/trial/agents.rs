@@ -1,8 +1,9 @@
 //! `Agents.xml`.
 
 use crate::plane::{Vec2, rotation, shown_orientation, vec2};
+use crate::trial::heights::{HEIGHTS, Heights};
 use crate::trial::schema::{AttributeValue, Schema};
-use crate::trial::xml::{Element, Ids, document, empty, read_id, vector};
+use crate::trial::xml::{Element, Ids, document, read_id, vector};
 use crate::xml::{number, quoted};
 use std::collections::HashMap;
 
@@ -19,6 +20,7 @@ static AGENT: Schema = Schema {
         ("AngularDamping", AttributeValue::NotNegative),
         ("Kind", AttributeValue::Text),
         ("FloorDampingAcross", AttributeValue::NotNegative),
+        ("ChestHeight", AttributeValue::Positive),
     ],
     children: &[&SHAPE],
 };
@@ -29,6 +31,8 @@ static SHAPE: Schema = Schema {
         ("Radius", AttributeValue::Positive),
         ("MaterialId", AttributeValue::IdOf("material")),
         ("Position", AttributeValue::Point),
+        HEIGHTS[0],
+        HEIGHTS[1],
     ],
     children: &[],
 };
@@ -59,6 +63,9 @@ pub struct Agent {
     pub floor_damping_across: Option<f64>,
     /// \[1/s\] relaxation rate 1/t_rot, ≥ 0.
     pub angular_damping: f64,
+    /// \[m\] `ChestHeight`: the disks at this height are those of the chest, whose load is found in every step; `None`: it
+    /// is not found.
+    pub chest_height: Option<f64>,
     /// The disks, at least one, in order from the left shoulder to the right one.
     pub shapes: Vec<ShapeElement>,
 }
@@ -78,6 +85,7 @@ impl Agent {
             radius,
             position: vec2(x, y),
             material_id: String::new(),
+            heights: Heights::default(),
         };
         Agent { shapes: disks.iter().map(shape).collect(), ..self }
     }
@@ -100,6 +108,8 @@ pub struct ShapeElement {
     pub material_id: String,
     /// \[m\] offset from the centre of mass, at the orientation that the shapes themselves define.
     pub position: Vec2,
+    /// Where it is above the floor.
+    pub heights: Heights,
 }
 
 /// Reads the agents; `materials` is `None` where they could not be read.
@@ -125,6 +135,7 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Vec<Agent>
             floor_damping_across: (element.node.has("FloorDampingAcross"))
                 .then(|| element.number("FloorDampingAcross")),
             angular_damping: element.number("AngularDamping"),
+            chest_height: element.node.has("ChestHeight").then(|| element.number("ChestHeight")),
             shapes: element.children("Shape").map(|shape| read_shape(shape, materials)).collect(),
         };
         if agent.shapes.is_empty() {
@@ -144,6 +155,7 @@ fn read_shape(element: Element<'_>, materials: Option<&Ids<'_>>) -> ShapeElement
         radius: element.number("Radius"),
         material_id: element.reference("MaterialId", materials).0,
         position: element.vector("Position"),
+        heights: Heights::read(element),
     }
 }
 
@@ -154,11 +166,16 @@ pub(crate) fn xml(agents: &[Agent]) -> String {
             let [inertia, floor, angular] = numbers.map(|value| Some(number(value)));
             let (id, mass, height) = (agent.id.clone(), number(agent.mass), agent.height.map(number));
             let (name, kind) = (agent.agent_type.clone(), agent.kind.clone());
-            let across = agent.floor_damping_across.map(number);
-            let values = [name, Some(id), Some(mass), height, inertia, floor, angular, kind, across];
+            let (across, chest) = (agent.floor_damping_across.map(number), agent.chest_height.map(number));
+            let values = [name, Some(id), Some(mass), height, inertia, floor, angular, kind, across, chest];
             out.element("Agent", &AGENT.values(&values.each_ref().map(Option::as_deref)), |out| {
-                for ShapeElement { radius, material_id, position } in &agent.shapes {
-                    empty(out, &SHAPE, &["disk", &number(*radius), material_id, &vector(*position)]);
+                for ShapeElement { radius, material_id, position, heights } in &agent.shapes {
+                    let [bottom, top] = heights.values();
+                    let values = [Some("disk".into()), Some(number(*radius)), Some(material_id.clone())];
+                    let values: Vec<_> =
+                        values.into_iter().chain([Some(vector(*position)), bottom, top]).collect();
+                    let values: Vec<_> = values.iter().map(Option::as_deref).collect();
+                    out.empty(SHAPE.name, &SHAPE.values(&values));
                 }
             });
         }

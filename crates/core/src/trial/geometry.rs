@@ -3,6 +3,7 @@
 use crate::files::source::FileSource;
 use crate::plane::{InPlane, Vec2, vec2};
 use crate::trial::ground::{self, GROUND, Ground, MOST_GROUNDS};
+use crate::trial::heights::{HEIGHTS, Heights};
 use crate::trial::link::{LINK, Link, MOST_LINKS};
 use crate::trial::opening::OpeningTimes;
 use crate::trial::panels::MOST_PANELS;
@@ -59,12 +60,21 @@ pub struct Wall {
     pub open: Option<OpeningTimes>,
     /// \[m\] `PanelLength`: length of the longest of its panels; `None` if it has none.
     pub panel_length: Option<f64>,
+    /// Where it is above the floor.
+    pub heights: Heights,
 }
 
 impl Wall {
     /// Makes a wall that never opens, through at least two corners \[m\].
     pub fn new(id: impl Into<String>, material_id: impl Into<String>, corners: Vec<Vec2>) -> Wall {
-        Wall { id: id.into(), material_id: material_id.into(), corners, open: None, panel_length: None }
+        Wall {
+            id: id.into(),
+            material_id: material_id.into(),
+            corners,
+            open: None,
+            panel_length: None,
+            heights: Heights::default(),
+        }
     }
 
     /// Returns its straight pieces: their ends \[m\].
@@ -92,6 +102,8 @@ static WALL: Schema = Schema {
         ("MaterialId", AttributeValue::IdOf("material")),
         ("Open", AttributeValue::Times),
         ("PanelLength", AttributeValue::Positive),
+        HEIGHTS[0],
+        HEIGHTS[1],
     ],
     children: &[&CORNER],
 };
@@ -109,7 +121,8 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Geometry {
         let corners = read_corners(element, "wall", &id, 2);
         let open = element.times("Open");
         let panel_length = element.node.has("PanelLength").then(|| element.number("PanelLength"));
-        let wall = Wall { id, material_id, corners, open, panel_length };
+        let heights = Heights::read(element);
+        let wall = Wall { id, material_id, corners, open, panel_length, heights };
         let before = panels;
         panels = wall.stretches().iter().map(|of| of.panels).fold(panels, usize::saturating_add);
         if before <= MOST_PANELS && panels > MOST_PANELS {
@@ -179,7 +192,10 @@ pub(crate) fn xml(geometry: &Geometry) -> String {
         for wall in &geometry.walls {
             let open = wall.open.as_ref().map(OpeningTimes::text);
             let panel_length = wall.panel_length.map(number);
-            let values = [Some(&*wall.id), Some(&wall.material_id), open.as_deref(), panel_length.as_deref()];
+            let [bottom, top] = wall.heights.values();
+            let values =
+                [Some(wall.id.clone()), Some(wall.material_id.clone()), open, panel_length, bottom, top];
+            let values = values.each_ref().map(Option::as_deref);
             out.element("Wall", &WALL.values(&values), |out| write_corners(out, &wall.corners));
         }
         for ground in &geometry.grounds {

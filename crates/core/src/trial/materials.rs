@@ -3,6 +3,7 @@
 use crate::files::source::FileSource;
 use crate::trial::agents::Agent;
 use crate::trial::geometry::Geometry;
+use crate::trial::heights::LOAD_LENGTH;
 use crate::trial::schema::{AttributeValue, Schema};
 use crate::trial::xml::{
     Checked, Element, Reading, document, empty, given_before, ids_of, read_alone, read_id,
@@ -13,7 +14,11 @@ use std::path::{Path, PathBuf};
 
 pub(crate) static MATERIALS: Schema =
     Schema { name: "Materials", attributes: &[], children: &[&INTRINSIC, &BINARY] };
-static INTRINSIC: Schema = Schema { name: "Intrinsic", attributes: &[], children: &[&MATERIAL] };
+static INTRINSIC: Schema = Schema {
+    name: "Intrinsic",
+    attributes: &[("LoadLength", AttributeValue::Positive)],
+    children: &[&MATERIAL],
+};
 static MATERIAL: Schema = Schema {
     name: "Material",
     attributes: &[
@@ -37,12 +42,21 @@ static CONTACT: Schema = Schema {
 };
 
 /// `Materials.xml`.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Materials {
+    /// \[m\] `LoadLength`: height over which things touch with the stiffness that follows from the moduli; used where one of
+    /// them has `Bottom` or `Top`.
+    pub load_length: f64,
     /// `<Intrinsic>`
     pub intrinsic: Vec<Material>,
     /// `<Binary>`
     pub binary: Vec<ContactCoefficients>,
+}
+
+impl Default for Materials {
+    fn default() -> Materials {
+        Materials { load_length: LOAD_LENGTH, intrinsic: Vec::new(), binary: Vec::new() }
+    }
 }
 
 impl Materials {
@@ -107,7 +121,10 @@ pub(crate) struct Read {
 pub(crate) fn read(root: Element<'_>) -> Read {
     let (mut intrinsic, mut binary) = (Vec::new(), Vec::new());
     let (mut ids, mut lines, mut pairs) = (HashMap::new(), Vec::new(), HashMap::new());
-    for element in root.only("Intrinsic").iter().flat_map(|list| list.children("Material")) {
+    let list = root.only("Intrinsic");
+    let load_length = list.filter(|list| list.node.has("LoadLength"));
+    let load_length = load_length.map_or(LOAD_LENGTH, |list| list.number("LoadLength"));
+    for element in list.iter().flat_map(|list| list.children("Material")) {
         lines.push(element.line());
         intrinsic.push(Material {
             id: read_id(element, &mut ids),
@@ -136,7 +153,7 @@ pub(crate) fn read(root: Element<'_>) -> Read {
         });
     }
     Read {
-        materials: Materials { intrinsic, binary },
+        materials: Materials { load_length, intrinsic, binary },
         path: root.node.file().to_owned(),
         lines,
         pairs,
@@ -230,7 +247,8 @@ impl Read {
 
 pub(crate) fn xml(materials: &Materials) -> String {
     document("Materials", |out| {
-        out.element("Intrinsic", &[], |out| {
+        let load_length = (materials.load_length != LOAD_LENGTH).then(|| number(materials.load_length));
+        out.element("Intrinsic", &INTRINSIC.values(&[load_length.as_deref()]), |out| {
             for material in &materials.intrinsic {
                 let [young, shear] = [material.young_modulus, material.shear_modulus].map(number);
                 empty(out, &MATERIAL, &[&material.id, &young, &shear]);

@@ -18,7 +18,7 @@ pub fn pedestrian(id: &str) -> Agent {
 }
 
 pub fn disk(radius: f64, position: Vec2) -> ShapeElement {
-    ShapeElement { radius, material_id: "human".into(), position }
+    ShapeElement { radius, material_id: "human".into(), position, heights: Default::default() }
 }
 
 pub fn agent(id: &str, shapes: Vec<ShapeElement>) -> Agent {
@@ -34,7 +34,7 @@ pub fn trial(agents: Vec<(Agent, Vec2, f64)>, walls: Vec<Vec<Vec2>>) -> Trial {
         name: "test".into(),
         directory: PathBuf::new(),
         parameters: Parameters::default(),
-        materials: Materials { intrinsic: vec![], binary: vec![] },
+        materials: Materials::default(),
         geometry: Geometry { walls: walls.into_iter().map(wall).collect(), ..Geometry::default() },
         dynamics: agents.iter().map(dynamics).collect(),
         agents: agents.into_iter().map(|a| a.0).collect(),
