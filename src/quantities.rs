@@ -6,7 +6,7 @@
 //! each two materials, a symmetric matrix; one of walls for each straight piece of a wall, and one of
 //! barriers for each panel, in the order of Geometry.xml.
 
-use crate::engine::{BodyId, World};
+use crate::engine::{BodyId, ChestExposure, World};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{ContactCoefficients, Materials, Trial, Wall};
 use lemons_fmi::variables::types::*;
@@ -20,11 +20,12 @@ use uuid::Uuid;
 pub const MOST_MECHANICAL_STEPS: f64 = 1e9;
 
 /// The structural parameters.
-pub const SIZES: [Size; 4] = [
+pub const SIZES: [Size; 5] = [
     Size::new("Agents", "number of agents"),
     Size::new("Materials", "number of materials"),
     Size::new("WallSegments", "number of straight pieces of walls; 1 without walls"),
     Size { optional: true, ..Size::new("Panels", "number of panels of walls") },
+    Size { optional: true, ..Size::new("Chests", "number of agents, if the load on chests is found") },
 ];
 
 const ONE_VALUE: &[Dimension] = &[];
@@ -34,6 +35,7 @@ const MATERIALS: &[Dimension] = &[Dimension::Size(1)];
 const PAIRS: &[Dimension] = &[Dimension::Size(1), Dimension::Size(1)];
 const WALLS: &[Dimension] = &[Dimension::Size(2)];
 const PANELS: &[Dimension] = &[Dimension::Size(3)];
+const CHESTS: &[Dimension] = &[Dimension::Size(4)];
 /// Where disks and faces are: on this contacts and overlaps depend at the start.
 const PLACES: &[CrowdQuantity] =
     &[CrowdQuantity::Trial, CrowdQuantity::Active, CrowdQuantity::Position, CrowdQuantity::Theta];
@@ -48,6 +50,20 @@ const FORCES: &[CrowdQuantity] = &[
     CrowdQuantity::YoungModulus,
     CrowdQuantity::ShearModulus,
     CrowdQuantity::GammaNormal,
+];
+/// On this all forces depend at the start.
+const ALL_FORCES: &[CrowdQuantity] = &[
+    CrowdQuantity::Trial,
+    CrowdQuantity::Active,
+    CrowdQuantity::Position,
+    CrowdQuantity::Theta,
+    CrowdQuantity::Velocity,
+    CrowdQuantity::Omega,
+    CrowdQuantity::YoungModulus,
+    CrowdQuantity::ShearModulus,
+    CrowdQuantity::GammaNormal,
+    CrowdQuantity::GammaTangential,
+    CrowdQuantity::KineticFriction,
 ];
 /// Beginnings of the names of arrays of walls and of panels; in FMI 2.0 they are before the name.
 const WALL: &str = "Wall";
@@ -155,6 +171,27 @@ quantities! {
     PeakOverlap: AGENTS, Real(OVERLAP),
         .calculated("deepest overlap of its contacts within the last step").initially_on(PLACES),
         |world, i| world.exposures()[i].peak_overlap;
+    CompressionFront: AGENTS, Real(FORCE), .named("Compression.front")
+        .calculated("force that presses it together along the gaze at the communication point: -sum r F / depth")
+        .initially_on(ALL_FORCES), |world, i| world.compressions()[i].front;
+    CompressionSide: AGENTS, Real(FORCE), .named("Compression.side")
+        .calculated("force that presses it together across the gaze: the same over its breadth")
+        .initially_on(ALL_FORCES), |world, i| world.compressions()[i].side;
+    // A Trial that was chosen later may have no heights of chests.
+    ChestForce: CHESTS, Real(NORMAL_FORCE),
+        .calculated("time average of the sum of |Fn| over the contacts of its chest over the last step")
+        .initially_on(FORCES), |world, i| chest(world, i).map_or(0.0, |of| of.people_force + of.wall_force);
+    ChestWallForce: CHESTS, Real(NORMAL_FORCE), .calculated("the part of ChestForce by walls")
+        .initially_on(FORCES), |world, i| chest(world, i).map_or(0.0, |of| of.wall_force);
+    ChestFront: CHESTS, Real(FORCE), .named("ChestCompression.front")
+        .calculated("time average of the force that presses its chest together along the gaze over the last step")
+        .initially_on(ALL_FORCES), |world, i| chest(world, i).map_or(0.0, |of| of.compression.front);
+    ChestSide: CHESTS, Real(FORCE), .named("ChestCompression.side")
+        .calculated("the same across the gaze")
+        .initially_on(ALL_FORCES), |world, i| chest(world, i).map_or(0.0, |of| of.compression.side);
+    ChestLeast: CHESTS, Real(FORCE), .named("ChestCompression.least")
+        .calculated("smaller principal part of the same: what presses it together from all sides")
+        .initially_on(ALL_FORCES), |world, i| chest(world, i).map_or(0.0, |of| of.compression.principal()[0]);
     // A Trial that was chosen later may have fewer walls, or none.
     WallMeanNormalForce: WALLS, Real(NORMAL_FORCE),
         .calculated("time average of the sum of |Fn| over its contacts with agents over the last step")
@@ -200,7 +237,9 @@ pub fn sizes(trial: &Trial) -> Vec<u64> {
     let segments = segments(trial).count().max(1);
     // Without panels there are no arrays of them.
     let panels = trial.geometry.panel_count();
-    vec![trial.agents.len() as u64, trial.materials.intrinsic.len() as u64, segments as u64, panels as u64]
+    let agents = trial.agents.len() as u64;
+    let chests = if trial.agents.iter().any(|agent| agent.chest_height.is_some()) { agents } else { 0 };
+    vec![agents, trial.materials.intrinsic.len() as u64, segments as u64, panels as u64, chests]
 }
 
 /// Returns the straight pieces of walls: the wall of each, and its place in it.
@@ -218,7 +257,11 @@ pub fn scalars(trial: &Trial) -> Vec<Scalar<CrowdQuantity>> {
     for scalar in &mut scalars {
         scalar.name = scalar.name.trim_start_matches("Total").to_owned();
     }
-    let numbers = || of(AGENTS).filter(|row| row.kind != VariableType::String);
+    let has_chests = sizes(trial)[4] > 0;
+    let numbers = || {
+        let of_chests = of(CHESTS).filter(move |_| has_chests);
+        of(AGENTS).filter(|row| row.kind != VariableType::String).chain(of_chests)
+    };
     for (i, agent) in trial.agents.iter().enumerate() {
         let (prefix, about) = (format!("agent[{i}]."), format!("agent Id {}: ", agent.id));
         scalars.extend(numbers().flat_map(|row| row.scalars(i, &prefix, &about)));
@@ -271,11 +314,11 @@ pub fn guid(trial: &Trial) -> Uuid {
     lemons_fmi::guid(&scalars(trial))
 }
 
-/// Returns a token of the variables that the Trials of an FMI 2.0 FMU share: of all but those of walls and panels. The FMU has
+/// Returns a token of the variables that the Trials of an FMI 2.0 FMU share: of all but those of walls, panels and chests. The FMU has
 /// these of its first Trial; where another one has fewer walls, they are 0.
 pub fn shared(trial: &Trial) -> Uuid {
     let mut scalars = scalars(trial);
-    scalars.retain(|scalar| ![WALLS, PANELS].contains(&scalar.variable.dimensions));
+    scalars.retain(|scalar| ![WALLS, PANELS, CHESTS].contains(&scalar.variable.dimensions));
     lemons_fmi::guid(&scalars)
 }
 
@@ -345,6 +388,10 @@ pub(crate) fn field(trial: &mut Trial, quantity: CrowdQuantity, element: usize) 
         KineticFriction => &mut contact(&mut trial.materials, element)?.kinetic_friction,
         _ => return None,
     })
+}
+
+fn chest(world: &World, agent: usize) -> Option<&ChestExposure> {
+    world.chest_exposures().get(agent)
 }
 
 fn axis_of(mut vector: Vec2, element: usize) -> f64 {

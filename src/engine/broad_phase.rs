@@ -4,6 +4,7 @@ use super::body_kinematics::BodyKinematics;
 use super::circle::Circle;
 use super::near_pairs::Candidates;
 use super::{BodyId, DiskId, FaceId, Scene, Vec2};
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
@@ -215,6 +216,31 @@ pub(super) fn list(
     candidates: &mut Candidates,
     limit: &PairLimit,
 ) {
+    match scene.levels.as_deref() {
+        None => {
+            let all = |_, body: usize| std::iter::once(scene.bodies[body].disks.clone());
+            list_those(scene, kinematics, grid, circles, bodies, (all, |_, _| true), candidates, limit);
+        }
+        Some(levels) => {
+            let beside = |disk, body| levels.beside(disk, body);
+            let meets = |disk, face: FaceId| levels.meets_face(disk, &scene.faces[face.index()]);
+            list_those(scene, kinematics, grid, circles, bodies, (beside, meets), candidates, limit);
+        }
+    }
+}
+
+/// Lists them: of a disk and a body the disks that may touch, of a disk and a face whether they may.
+#[expect(clippy::too_many_arguments)]
+fn list_those<I: Iterator<Item = Range<usize>>>(
+    scene: &Scene,
+    kinematics: &[BodyKinematics],
+    grid: &CellGrid,
+    circles: &[Circle],
+    bodies: impl Iterator<Item = usize>,
+    (beside, meets): (impl Fn(usize, usize) -> I, impl Fn(usize, FaceId) -> bool),
+    candidates: &mut Candidates,
+    limit: &PairLimit,
+) {
     candidates.disks.clear();
     candidates.faces.clear();
     let (mut later, mut found, mut faces) = (Vec::new(), Vec::new(), Vec::new());
@@ -237,19 +263,18 @@ pub(super) fn list(
             let disk = &scene.disks[i];
             let own = Circle { centre: kinematics[a].centre(disk.offset), radius: disk.radius };
             for &b in later.iter().filter(|&&b| own.nears(&circles[b], SKIN)) {
-                for j in disks_beside(scene, i, b) {
-                    let disk = &scene.disks[j];
-                    let other = Circle { centre: kinematics[b].centre(disk.offset), radius: disk.radius };
-                    if own.nears(&other, SKIN) {
-                        candidates.disks.push((DiskId::from(i), DiskId::from(j)));
+                for range in beside(i, b) {
+                    for j in range {
+                        let disk = &scene.disks[j];
+                        let other = Circle { centre: kinematics[b].centre(disk.offset), radius: disk.radius };
+                        if own.nears(&other, SKIN) {
+                            candidates.disks.push((DiskId::from(i), DiskId::from(j)));
+                        }
                     }
                 }
             }
-            let meets = |face: &FaceId| {
-                let levels = scene.levels.as_ref();
-                levels.is_none_or(|levels| levels.meets_face(i, &scene.faces[face.index()]))
-            };
-            let near = faces.iter().filter(|face| meets(face) && own.nears_face(&scene.faces, **face, SKIN));
+            let near =
+                faces.iter().filter(|face| meets(i, **face) && own.nears_face(&scene.faces, **face, SKIN));
             candidates.faces.extend(near.map(|&face| (DiskId::from(i), face)));
             let added = candidates.disks.len() + candidates.faces.len() - before;
             if added > 0 && !limit.take(added) {
@@ -257,13 +282,6 @@ pub(super) fn list(
             }
         }
     }
-}
-
-/// The disks of a body that may touch a disk of another one: all in the plan, else those that have a height in common.
-fn disks_beside(scene: &Scene, disk: usize, body: usize) -> impl Iterator<Item = usize> {
-    let levels = scene.levels.as_deref();
-    let all = levels.is_none().then(|| scene.bodies[body].disks.clone());
-    all.into_iter().chain(levels.into_iter().flat_map(move |levels| levels.beside(disk, body))).flatten()
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@
 //! contacts also exert torques). Over the extent of the body along an axis it is a force: that of two walls which press
 //! it between them. A force that nothing opposes counts half: such a body is accelerated, and its far side is free.
 
-use super::{InPlane, Rotation, Vec2};
+use super::report::ContactReport;
+use super::{DiskId, InPlane, Pair, Rotation, Scene, State, Vec2, rotation};
 use serde::{Deserialize, Serialize};
 
 /// Moments −Σ r ⊗ F of forces at arms r from the centre of mass \[N.m\], or of impulses \[N.m.s\].
@@ -84,4 +85,27 @@ impl Compression {
     pub fn is_finite(&self) -> bool {
         self.front.is_finite() && self.side.is_finite() && self.shear.is_finite()
     }
+}
+
+/// Returns what presses each body together, by the contacts in a state.
+pub(super) fn compressions(scene: &Scene, state: &State, contacts: &ContactReport) -> Vec<Compression> {
+    let mut moments = vec![ForceMoments::default(); scene.bodies.len()];
+    for contact in &contacts.contacts {
+        let force = contact.normal * contact.normal_force + contact.normal.left() * contact.tangential_force;
+        let mut add = |disk: DiskId, normal: Vec2, force: Vec2| {
+            let of = &scene.disks[disk.index()];
+            let turn = rotation(state.poses[of.body.index()].orientation);
+            let arm = turn * of.offset + normal * (0.5 * contact.depth - of.radius);
+            moments[of.body.index()].add(&ForceMoments::of(turn, arm, force), 1.0);
+        };
+        match contact.pair {
+            Pair::Disks { first, second } => {
+                add(first, contact.normal, force);
+                add(second, -contact.normal, -force);
+            }
+            Pair::Face { disk, .. } => add(disk, contact.normal, force),
+        }
+    }
+    let over = |(moments, body): (&ForceMoments, &super::Body)| moments.compression(body.extent);
+    moments.iter().zip(&scene.bodies).map(over).collect()
 }

@@ -1,6 +1,5 @@
 //! Contacts at an instant, for those who ask.
 
-use super::compression::ForceMoments;
 use super::contact_geometry::{ContactForce, Instant};
 use super::contacts::{SpringUpdate, contact_force};
 use super::levels::ChestForce;
@@ -68,13 +67,10 @@ pub struct BodyContacts {
     pub wall_squeeze: f64,
     /// The sum of the forces of its contacts, and of their torques about the centre of mass.
     pub wrench: Wrench,
-    /// The moments of these forces: what presses it together.
-    pub moments: ForceMoments,
 }
 
 impl BodyContacts {
-    fn take(&mut self, wrench: &Wrench, moments: &ForceMoments) {
-        self.moments.add(moments, 1.0);
+    fn take(&mut self, wrench: &Wrench) {
         self.wrench.force += wrench.force;
         self.wrench.torque += wrench.torque;
     }
@@ -154,13 +150,8 @@ impl Instant<'_> {
                     let force = contact_force(&geometry, spring, SpringUpdate::Hold);
                     let force = self.shared(force, who, &mut report);
                     let vector = force.vector();
-                    let sides =
-                        [(pair.first_body, force.arm, vector), (pair.second_body, force.other_arm, -vector)];
-                    for (body, arm, vector) in sides {
-                        let moments = ForceMoments::of(self.kinematics[body.index()].turn(), arm, vector);
-                        let wrench = Wrench { force: vector, torque: arm.perp(&vector) };
-                        report.bodies[body.index()].take(&wrench, &moments);
-                    }
+                    report.bodies[pair.first_body.index()].take(&force.on_receiver(vector));
+                    report.bodies[pair.second_body.index()].take(&force.on_giver(vector));
                     report.add(who, force.overlap.depth, Some(&force))
                 }
             };
@@ -223,10 +214,7 @@ impl Instant<'_> {
                     let spring = from.map(|from| &springs_of_disk[from]);
                     let force = contact_force(&geometry, spring, SpringUpdate::Hold);
                     let force = self.shared(force, who, report);
-                    let vector = force.vector();
-                    let turn = self.kinematics[body.index()].turn();
-                    let moments = ForceMoments::of(turn, force.arm, vector);
-                    report.bodies[body.index()].take(&force.on_receiver(vector), &moments);
+                    report.bodies[body.index()].take(&force.on_receiver(force.vector()));
                     report.add(who, force.overlap.depth, Some(&force))
                 };
                 let body = &mut report.bodies[body.index()];

@@ -2,6 +2,7 @@
 
 use super::broad_phase::{CellGrid, Crowded, NearMargin, SKIN};
 use super::circle::Circle;
+use super::compression::compressions;
 use super::contacts::{SpringUpdate, Step};
 use super::face::{Face, nearest_on_face};
 use super::free_flight::Course;
@@ -14,6 +15,7 @@ use super::{
     Scene, Shortlisting, State, Threads, ThreadsError, Twist, Vec2, WallId, Work, Wrench, rotation,
 };
 use lemons_core::plane::{Motion, body_meets};
+use std::sync::OnceLock;
 use thiserror::Error;
 
 /// Largest number of mechanical steps that is counted.
@@ -107,6 +109,7 @@ pub struct World {
     /// Number of communication steps that several threads have shared.
     shared: u64,
     contacts: ContactReport,
+    compressions: OnceLock<Vec<Compression>>,
     exposures: Exposures,
     work: Work,
     scratch: Scratch,
@@ -149,6 +152,7 @@ impl World {
             threads: Threads::default(),
             shared: 0,
             contacts: ContactReport::default(),
+            compressions: OnceLock::new(),
             exposures: Exposures::default(),
             work: Work::default(),
             state: State::default(),
@@ -361,9 +365,10 @@ impl World {
         &self.exposures.chests
     }
 
-    /// Returns what presses a body together in the present state: its contacts, over its extent.
-    pub fn compression(&self, body: BodyId) -> Compression {
-        self.contacts.bodies[body.index()].moments.compression(self.scene.bodies[body.index()].extent)
+    /// Returns what presses each body together in the present state: its contacts, over its extent. They are found when
+    /// somebody asks.
+    pub fn compressions(&self) -> &[Compression] {
+        self.compressions.get_or_init(|| compressions(&self.scene, &self.state, &self.contacts))
     }
 
     /// \[N/m\] Returns mean and peak load of a panel, over its length; 0 if there is no such panel, or it has no length.
@@ -419,6 +424,7 @@ impl World {
         });
         blocks.take_work();
         self.contacts = blocks.report(scene);
+        self.compressions.take();
         // As after a step of duration zero.
         self.exposures = blocks.exposures(scene, 0.0, &self.contacts);
         blocks.store(&mut state);
@@ -489,6 +495,7 @@ impl World {
             return Err(AdvanceError::NotFinite { body: BodyId::from(b) });
         }
         self.contacts = contacts;
+        self.compressions.take();
         self.exposures = exposures;
         self.state = state;
         Ok(())

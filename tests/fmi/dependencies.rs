@@ -22,6 +22,7 @@ fn pressed() -> Trial {
         (own.position, own.velocity) = (vec2(x, y), vec2(0.1 * i as f64, -0.1));
         own.omega = 0.2;
     }
+    trial.agents.iter_mut().for_each(|agent| agent.chest_height = Some(1.3));
     trial.geometry.divide(PanelChoice::Longest(0.3)).unwrap();
     trial
 }

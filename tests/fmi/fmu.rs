@@ -168,7 +168,7 @@ pub fn edit(path: &Path, from: &str, to: &str) {
 
 /// Returns whether a Real is computed, so that nobody sets it.
 pub fn computed(name: &str) -> bool {
-    name.ends_with("Force") || name.ends_with("Overlap")
+    name.ends_with("Force") || name.ends_with("Overlap") || name.contains("Compression.")
 }
 
 /// Where a variable of FMI 2.0 is: elements of an array of a length.

@@ -65,6 +65,10 @@ pub struct Arguments {
     /// which single collisions count
     #[arg(long, value_name = "SECONDS", requires = "above", value_parser = positive)]
     over: Option<f64>,
+    /// Measure how long each person's trunk is pressed so hard that breathing tires: of a Trial whose people have
+    /// a ChestHeight, or an FMU of it
+    #[arg(long)]
+    breathing: bool,
     /// Measure the loads on the walls and on their panels, too: of a Trial or an FMU, which is simulated first
     #[arg(long)]
     walls: bool,
@@ -79,7 +83,7 @@ pub struct Arguments {
     /// everybody has left, as by lemons run. Default: the end of earlier results; 5 for a Trial or FMU
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
     until: Option<Until>,
-    /// Write flow.csv, gaps.csv, density.csv, people.csv, walls.csv, panels.csv and summary.json into this directory
+    /// Write flow.csv, gaps.csv, density.csv, people.csv, walls.csv, panels.csv, breathing.csv and summary.json into this directory
     #[arg(short, long, value_name = "DIRECTORY")]
     output: Option<PathBuf>,
     /// Write the summary as JSON; - is standard output

@@ -379,6 +379,11 @@ pub const fn row<Q: 'static>(
 }
 
 impl<Q: Copy> Variable<Q> {
+    /// Gives it another name than that of the quantity: of a part of something.
+    pub const fn named(self, name: &'static str) -> Variable<Q> {
+        Variable { name, ..self }
+    }
+
     /// Makes it an input.
     pub const fn input(self, description: &'static str) -> Variable<Q> {
         Variable { role: Role::Input, description, ..self }

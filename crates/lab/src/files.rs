@@ -206,6 +206,8 @@ fn table(of: &LoadedTrial, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Ref
     })?;
     let legs = of.plan.as_ref().is_some_and(|plan| plan.balance.is_some());
     let groups = ALL.with(Group::Active, of.plan.is_some()).with(Group::Legs, legs);
+    let chests = of.trial.agents.iter().any(|agent| agent.chest_height.is_some());
+    let groups = groups.with(Group::Chest, chests);
     let content = TableContent { columns: groups.columns(), about: Vec::new() };
     let (file, path) = (Cursor::new(Vec::new()), Path::new("the table"));
     let writer = TableWriter::create(file, path, lemons_results::TableFormat::Csv, &content)?;

@@ -5,12 +5,13 @@ use lemons_results::{Frame, Totals};
 use std::sync::LazyLock;
 
 /// Quantities of an agent with their places in the row of a table, in the order of the arrays: poses and velocities are
-/// parts of an array, counts come after forces, legs are last.
+/// parts of an array, counts come after forces, legs and then chests are last.
 static ORDER: LazyLock<Vec<(usize, &RecordedQuantity)>> = LazyLock::new(|| {
     let order = |of: &RecordedQuantity| match of.group {
         Group::Motion => ["x", "y", "theta", "vx", "vy", "omega"].iter().position(|name| *name == of.name),
         Group::Active => Some(8),
         Group::Legs => Some(9),
+        Group::Chest => Some(10),
         Group::Totals => None,
         _ => Some(if of.kind() == CellType::Real { 6 } else { 7 }),
     };
@@ -19,14 +20,16 @@ static ORDER: LazyLock<Vec<(usize, &RecordedQuantity)>> = LazyLock::new(|| {
     all
 });
 
-/// Returns how many numbers an agent has, with legs or without.
-fn width(legs: bool) -> usize {
-    if legs { ORDER.len() } else { ORDER.len() - Group::Legs.quantities().count() }
+/// Returns how many numbers an agent has: without legs, with legs, with legs and a chest.
+fn widths() -> [usize; 3] {
+    let before = |group: Group| ORDER.iter().position(|(_, of)| of.group == group).unwrap_or_default();
+    [before(Group::Legs), before(Group::Chest), ORDER.len()]
 }
 
 /// Returns how many numbers an agent of a frame has.
 pub fn numbers_of_each(frame: &Frame) -> usize {
-    width(frame.legs.is_some())
+    let has_chests = frame.effects.knows(Effect::ChestForce);
+    widths()[if has_chests { 2 } else { frame.legs.is_some().into() }]
 }
 
 /// Returns the names of these numbers.
@@ -43,13 +46,16 @@ pub fn table() -> Vec<String> {
 pub fn append(frame: &Frame, numbers: &mut Vec<f64>) {
     for agent in 0..frame.agents.len() {
         let row = row_of(frame, agent);
-        numbers.extend(ORDER[..numbers_of_each(frame)].iter().map(|(place, _)| row[*place]));
+        let missing = |of: &RecordedQuantity| of.group == Group::Legs && frame.legs.is_none();
+        let number =
+            |(place, of): &(usize, &RecordedQuantity)| if missing(of) { f64::NAN } else { row[*place] };
+        numbers.extend(ORDER[..numbers_of_each(frame)].iter().map(number));
     }
 }
 
 /// Returns whether a frame can have so many numbers of each agent.
 pub fn is_width(each: usize) -> bool {
-    [width(false), width(true)].contains(&each)
+    widths().contains(&each)
 }
 
 /// Makes a frame of the numbers of everybody, so many each, at a time \[s\].
@@ -60,7 +66,10 @@ pub fn frame_of(time: f64, numbers: &[f64], each: usize, leaving: bool) -> Frame
         row
     };
     let rows: Vec<AgentRow> = numbers.chunks_exact(each).map(row).collect();
-    let groups = ALL.with(Group::Active, leaving).with(Group::Legs, each == width(true));
+    let [base, with_legs, _] = widths();
+    let has_legs = each > base && !numbers.get(base).is_some_and(|legs| legs.is_nan());
+    let groups = ALL.with(Group::Active, leaving).with(Group::Legs, has_legs);
+    let groups = groups.with(Group::Chest, each > with_legs);
     let mut frame = Frame { place: format!("t = {time:?} s"), ..groups.frame_of_rows(time, &rows) };
     let sum = |of| (0..rows.len()).filter_map(|agent| frame.effects.get(of, agent)).sum::<f64>();
     // A contact of two people counts for both.

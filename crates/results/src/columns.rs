@@ -41,6 +41,8 @@ pub enum Group {
     OfStep,
     /// Work as that, which FMUs and tables of earlier versions do not have: each column is read if it is there.
     Later,
+    /// Load on the agent's chest since the row before, where it is found: each column is read if it is there.
+    Chest,
     /// Presence: who is not there touches nothing, and stands where it was last.
     Active,
     /// Legs of an agent, where people have some: outputs of Decision, not of the crowd's FMU.
@@ -103,11 +105,11 @@ pub const TIME: &str = "t";
 pub const ID: &str = "id";
 
 /// Makes the table, whose rows are, in this order: name, output, domain, group, the field of the group in a frame,
-/// description. Those in between are effects: name, output, which is also the name of the effect, domain, group, how
+/// description. Those in between are effects: name, output, which is also the name of the effect if no other one is given, domain, group, how
 /// several steps become one, description.
 macro_rules! quantities {
     ($($name:literal, $variable:literal, $domain:expr, $group:ident, $field:tt, $description:literal;)*
-     effects { $($column:literal, $effect:ident, $range:expr, $with:ident, $merge:ident, $meaning:literal;)* }
+     effects { $($column:literal, $effect:ident $($output_of:literal)?, $range:expr, $with:ident, $merge:ident, $meaning:literal;)* }
      $($last:literal, $output:literal, $of:expr, $among:ident, $place:tt, $words:literal;)*) => {
         /// An effect of the contacts on an agent, with the name of the output.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -123,10 +125,20 @@ macro_rules! quantities {
         /// Every quantity, in the order of the columns; those of the whole crowd last.
         pub const QUANTITIES: [RecordedQuantity; [$($name,)* $($column,)* $($last),*].len()] = [
             $(number!(quantity None, $name, $variable, $domain, $group, $field, $description),)*
-            $(number!(quantity Some((Effect::$effect, Merge::$merge)), $column, stringify!($effect), $range, $with,
+            $(number!(quantity Some((Effect::$effect, Merge::$merge)), $column, named!($($output_of)? $effect), $range, $with,
                 ($effect), $meaning),)*
             $(number!(quantity None, $last, $output, $of, $among, $place, $words),)*
         ];
+    };
+}
+
+/// The name of an output: that of the effect, if it has no other one.
+macro_rules! named {
+    ($name:literal $effect:ident) => {
+        $name
+    };
+    ($effect:ident) => {
+        stringify!($effect)
     };
 }
 
@@ -203,6 +215,11 @@ quantities! {
         "peak_normal_force", PeakNormalForce, Size("N"), OfStep, Max, "largest squeeze since the row before";
         "peak_overlap", PeakOverlap, Size("m"), OfStep, Max, "deepest overlap of a contact since the row before";
         "mean_wall_force", MeanWallForce, Size("N"), Later, Mean, "mean squeeze by walls since the row before";
+        "chest_force", ChestForce, Size("N"), Chest, Mean, "mean squeeze of the agent's chest since the row before";
+        "chest_wall_force", ChestWallForce, Size("N"), Chest, Mean, "the part of it by walls";
+        "chest_front", ChestFront "ChestCompression.front", Real("N"), Chest, Mean, "mean force that presses the chest together along the gaze since the row before";
+        "chest_side", ChestSide "ChestCompression.side", Real("N"), Chest, Mean, "the same across the gaze";
+        "chest_least", ChestLeast "ChestCompression.least", Real("N"), Chest, Mean, "smaller principal part of the same: what presses the chest together from all sides";
     }
     "active", "Active", Flag, Active, (), "1 if the agent is there, 0 if it has left, or has not come yet";
     "legs_x", "Legs.x", Real("m"), Legs, (feet.x), "x of the middle of the feet";
@@ -247,7 +264,7 @@ impl Groups {
         Groups::where_is(|quantity| match quantity.group {
             Group::Contacts => contacts,
             Group::OfStep => of_step,
-            Group::Later => of_step && exists(quantity.name),
+            Group::Later | Group::Chest => of_step && exists(quantity.name),
             group => all(group),
         })
     }

@@ -1,6 +1,6 @@
 //! Measures of a run: who crosses a line and when ([`CountingLine`], [`Passages`], [`Flow`]), how dense a crowd is in an
 //! area ([`VoronoiRoom`], [`MeasuringArea`]), how long and how hard people are squeezed ([`SqueezeOverTime`], [`MovingMeans`]) and where
-//! ([`SqueezeMap`]), how people keep their balance ([`BalanceOverTime`]), how hard
+//! ([`SqueezeMap`]), how people keep their balance ([`BalanceOverTime`]), how long trunks are pressed ([`BreathingOverTime`]), how hard
 //! walls are pressed ([`LoadsOverTime`]).
 //!
 //! Frames are given one after the other, in the order of time; nothing here keeps them. docs/measure.md defines each
@@ -8,6 +8,7 @@
 
 mod across;
 mod balance;
+mod breathing;
 mod by_place;
 mod crossing;
 mod density;
@@ -25,6 +26,7 @@ mod voronoi;
 
 pub use across::Across;
 pub use balance::{BalanceOverTime, Kept};
+pub use breathing::{Breathing, BreathingOverTime, LOADS as BREATHING_LOADS};
 pub use by_place::SqueezeMap;
 pub use crossing::{CountingLine, Way};
 pub use density::{Density, MeasuringArea};

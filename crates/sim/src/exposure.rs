@@ -116,7 +116,7 @@ impl ExposureSum {
     /// Returns whether all numbers are possible.
     pub fn is_possible(&self) -> bool {
         let mut all = self.agents.iter().flatten().chain([&self.duration]);
-        all.all(|number| *number >= 0.0 && number.is_finite())
+        self.duration >= 0.0 && all.all(|number| number.is_finite())
     }
 }
 

@@ -11,6 +11,7 @@ use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
 use lemons_decision::decision::{Act, SavedDecision, Stance};
 use lemons_decision::{Decision, Plan};
 use lemons_fmi::{Model, Phase, Step, fingerprint};
+use lemons_results::columns::Group;
 use lemons_results::{Effects, Frame, OfLegs, OfWall, Totals};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -269,7 +270,8 @@ impl Simulation {
         let Some(world) = self.world() else { return Frame::default() };
         let report = world.contacts();
         let mut effects = Effects::default();
-        record(world, &mut effects, |_| true);
+        let chests = !world.chest_exposures().is_empty();
+        record(world, &mut effects, |of| chests || of.group != Group::Chest);
         let of_wall =
             |of: &FaceExposure| OfWall { mean_normal_force: of.mean_force, peak_normal_force: of.peak_force };
         let may_leave = self.walks() || world.present().contains(&false);

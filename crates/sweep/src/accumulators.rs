@@ -2,6 +2,7 @@
 
 use crate::error::{ErrorPlace, Result};
 use crate::measure::balance::BalanceMeasure;
+use crate::measure::breathing::BreathingMeasure;
 use crate::measure::load::LoadMeasure;
 use crate::measure::output::{OfOutput, Statistics};
 use crate::measure::places::{InArea, OverLine, Places};
@@ -12,7 +13,7 @@ use crate::spec::Spec;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;
 use lemons_results::measure::{
-    BalanceOverTime, Density, LoadsOverTime, MeasuringArea, Passages, SqueezeOverTime,
+    BalanceOverTime, BreathingOverTime, Density, LoadsOverTime, MeasuringArea, Passages, SqueezeOverTime,
 };
 use lemons_results::{Effects, Frame};
 use lemons_sim::Simulation;
@@ -42,6 +43,7 @@ enum Accumulator<'a> {
     /// And the places of the agents that count.
     Squeeze(&'a SqueezeMeasure, SqueezeOverTime),
     Balance(&'a BalanceMeasure, Vec<usize>, BalanceOverTime),
+    Breathing(&'a BreathingMeasure, Vec<usize>, Box<BreathingOverTime>),
     Load(&'a LoadMeasure, Box<LoadsOverTime>),
 }
 
@@ -81,6 +83,10 @@ impl<'a> Accumulators<'a> {
                 MeasureKind::Balance(of) => {
                     Accumulator::Balance(of, agents(&of.agents, of.across)?, BalanceOverTime::of(people))
                 }
+                MeasureKind::Breathing(of) => {
+                    let begun = Box::new(BreathingOverTime::of(trial));
+                    Accumulator::Breathing(of, agents(&of.agents, of.across)?, begun)
+                }
                 MeasureKind::Load(of) => Accumulator::Load(of, Box::new(of.begin(&trial.geometry)?)),
             })
         };
@@ -119,6 +125,7 @@ impl<'a> Accumulators<'a> {
                 Accumulator::Area(of, ..) if of.needs_room() => kept = true,
                 Accumulator::Area(_, area, seen) => seen.push(area.measure(&frame, None)),
                 Accumulator::Balance(_, _, balance) => balance.add(&frame),
+                Accumulator::Breathing(_, _, breathing) => breathing.add(&frame),
                 Accumulator::Squeeze(of, exposure) => exposure.see(&frame, of.by),
                 Accumulator::Load(_, loads) => loads.add(&frame),
             }
@@ -161,6 +168,7 @@ impl<'a> Accumulators<'a> {
             Accumulator::Area(of, _, seen) => of.value(seen.iter()),
             Accumulator::Squeeze(of, exposure) => of.value(&exposure),
             Accumulator::Balance(of, agents, balance) => of.value(&agents, balance),
+            Accumulator::Breathing(of, agents, breathing) => of.value(&agents, *breathing),
             Accumulator::Load(of, loads) => of.value(*loads),
         });
         Ok(values.collect())

@@ -1,6 +1,7 @@
 //! Measures: the numbers of a run that become columns of the table.
 
 pub(crate) mod balance;
+pub(crate) mod breathing;
 pub(crate) mod load;
 pub(crate) mod output;
 pub(crate) mod places;
@@ -9,8 +10,9 @@ pub(crate) mod squeeze;
 use crate::error::Result;
 use crate::points::Points;
 use balance::BalanceMeasure;
+use breathing::BreathingMeasure;
 use lemons_core::require;
-use lemons_results::measure::{Across, Kept, within};
+use lemons_results::measure::{Across, Breathing, Kept, within};
 use load::LoadMeasure;
 use output::OfOutput;
 use places::{InArea, OverLine, Places};
@@ -43,12 +45,14 @@ pub enum MeasureKind {
     Squeeze(SqueezeMeasure),
     /// `balance`: how people who have legs keep it.
     Balance(BalanceMeasure),
+    /// `breathing`: how long trunks are pressed.
+    Breathing(BreathingMeasure),
     /// `load`: how hard people press on walls.
     Load(LoadMeasure),
 }
 
 /// One of these says what is measured.
-const KINDS: [&str; 6] = ["of", "line", "area", "squeeze", "balance", "load"];
+const KINDS: [&str; 7] = ["of", "line", "area", "squeeze", "balance", "breathing", "load"];
 
 impl Measure {
     /// Reads a measure: its key among [`KINDS`] says of which kind it is.
@@ -63,6 +67,7 @@ impl Measure {
             ["area"] => MeasureKind::Area(value.try_into()?),
             ["squeeze"] => MeasureKind::Squeeze(value.try_into()?),
             ["balance"] => MeasureKind::Balance(value.try_into()?),
+            ["breathing"] => MeasureKind::Breathing(value.try_into()?),
             ["load"] => MeasureKind::Load(value.try_into()?),
             _ => {
                 return Err(format!("must be a table with one of the keys {}", KINDS.join(", ")).into());
@@ -75,6 +80,7 @@ impl Measure {
             MeasureKind::Area(of) => (of.from, of.until),
             MeasureKind::Squeeze(of) => (of.from, of.until),
             MeasureKind::Balance(of) => (of.from, of.until),
+            MeasureKind::Breathing(of) => (of.from, of.until),
             MeasureKind::Load(of) => (of.from, of.until),
         };
         Ok(Measure { kind, from, until })
@@ -104,6 +110,7 @@ impl Measure {
             MeasureKind::Area(of) => of.check(places),
             MeasureKind::Squeeze(of) => of.check(),
             MeasureKind::Balance(of) => check_number("balance", &of.balance, &Kept::default()),
+            MeasureKind::Breathing(of) => check_number("breathing", &of.breathing, &Breathing::default()),
             MeasureKind::Load(of) => of.check(),
         }
     }

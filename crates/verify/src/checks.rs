@@ -10,6 +10,7 @@ mod friction;
 mod golden;
 mod ledger;
 mod legs;
+mod levels;
 mod order;
 mod passivity;
 mod ramp;
@@ -67,6 +68,7 @@ pub fn all() -> Vec<Check> {
         across::FIGURES,
         ledger::FIGURES,
         legs::FIGURES,
+        levels::FIGURES,
         symmetry::FIGURES,
         scenarios::FIGURES,
         reference::FIGURES,

@@ -34,7 +34,8 @@ class Run:
     #: Times [s], shape (K,).
     times: Floats
     #: What poses, velocities, squeezes, contacts and `active` show, shape (K, N, 15); where people have legs, also what `legs`,
-    #: `steps`, `balanced` and `fallen` show, shape (K, N, 20).
+    #: `steps`, `balanced` and `fallen` show, shape (K, N, 20); where the load on chests is found, also what `chest_squeeze`
+    #: and the others show, shape (K, N, 25), with NaN for legs that nobody has.
     numbers: Floats
     #: Ids of the agents in Agents.xml.
     ids: tuple[str, ...]
@@ -104,7 +105,8 @@ class Run:
     @property
     def has_legs(self) -> bool:
         """Whether people have legs (`balance` in decision.toml). Else there are no `legs`, `steps`, `balanced` and `fallen`."""
-        return bool(self.numbers.shape[2] > PLACE["legs_x"])
+        place = PLACE["legs_x"]
+        return bool(self.numbers.shape[2] > place and not np.isnan(self.numbers[0, 0, place]))
 
     def _of_legs(self, name: str, count: int = 1) -> Floats:
         if not self.has_legs:
@@ -131,6 +133,33 @@ class Run:
         """Whether they could not be saved from a fall, at some time: shape (K, N)"""
         return self._of_legs("fallen")[:, :, 0].astype(bool)
 
+    @property
+    def has_chests(self) -> bool:
+        """Whether the load on chests is found (`ChestHeight` in Agents.xml; a crowd with `levels` has it)."""
+        return bool(self.numbers.shape[2] > PLACE["chest_force"])
+
+    def _of_chest(self, name: str, count: int = 1) -> Floats:
+        if not self.has_chests:
+            raise ValueError("the load on chests is not found in this run: ChestHeight in Agents.xml asks for it (docs/levels.md)")
+        return self.numbers[:, :, PLACE[name] : PLACE[name] + count]
+
+    @property
+    def chest_squeeze(self) -> Floats:
+        """Mean of the sum of |F_n| over the contacts of the chest, over the step that ends at a communication point [N]:
+        shape (K, N)"""
+        return self._of_chest("chest_force")[:, :, 0]
+
+    @property
+    def chest_wall_squeeze(self) -> Floats:
+        """The part of `chest_squeeze` by walls [N]: shape (K, N)"""
+        return self._of_chest("chest_wall_force")[:, :, 0]
+
+    @property
+    def chest_compression(self) -> Floats:
+        """Mean forces that press the chest together, over the same step [N]: front–back, side–side, and the smaller principal
+        part of both: shape (K, N, 3)"""
+        return self._of_chest("chest_front", 3)
+
     def frame(self) -> pd.DataFrame:
         """Returns the table that `lemons run` writes: a row for each agent at each communication point.
 
@@ -145,12 +174,14 @@ class Run:
             ids = [int(each) for each in self.ids]
         values = {"t": np.repeat(self.times, agents), "id": np.tile(np.array(ids), points)}
         for place, name in enumerate(_native.NUMBERS[: self.numbers.shape[2]]):
+            if PLACE["legs_x"] <= place < PLACE["chest_force"] and not self.has_legs:
+                continue
             own = self.numbers[:, :, place]
             # A contact of two people counts for both.
             if name in ("agent_contacts", "wall_contacts"):
                 total = own.sum(axis=1) / (2 if name == "agent_contacts" else 1)
                 values[f"total_{name}"] = np.repeat(total.astype(np.int64), agents)
-            values[name] = own.ravel() if place < PLACE["agent_contacts"] or name in ("legs_x", "legs_y") else own.ravel().astype(np.int64)
+            values[name] = own.ravel() if place < PLACE["agent_contacts"] or name.startswith(("legs_", "chest_")) else own.ravel().astype(np.int64)
         return pd.DataFrame({name: values[name] for name in _native.TABLE if name in values and (self.leaving or name != "active")})
 
     def measure(

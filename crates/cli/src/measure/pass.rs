@@ -2,20 +2,22 @@
 
 use super::Arguments;
 use super::summary::{
-    BalanceSummary, OfArea, OfLine, OfTrajectories, QUANTILES, RunSummary, SqueezeSummary, of_walls,
+    BalanceSummary, BreathingSummary, OfArea, OfLine, OfTrajectories, QUANTILES, RunSummary, SqueezeSummary,
+    of_walls,
 };
 use crate::interrupt::Interrupt;
 use anyhow::{Result, bail};
 use lemons_core::trial::Trial;
 use lemons_results::Record;
 use lemons_results::measure::{
-    BalanceOverTime, By, Density, Departures, LoadsOverTime, MovingMeans, Passages, SqueezeOverTime,
-    VoronoiRoom, quantile, squeeze, within,
+    BalanceOverTime, BreathingOverTime, By, Density, Departures, LoadsOverTime, MovingMeans, Passages,
+    SqueezeOverTime, VoronoiRoom, quantile, squeeze, within,
 };
 use lemons_sim::Until;
 
 /// \[s\] Single steps show hard collisions of milliseconds, and no pressure.
 pub const OVER: f64 = 1.0;
+const NO_TRIAL: &str = "no Trial says where chests are";
 
 /// Measures what the arguments ask for; `room` is there if there are areas.
 pub fn pass(
@@ -36,6 +38,8 @@ pub fn pass(
     let mut parts = [(); 2].map(|()| SqueezeOverTime::new(people, &[], None));
     let walls = trial.filter(|_| arguments.walls);
     let mut loads = walls.map(|trial| LoadsOverTime::of(&trial.geometry));
+    let begun = trial.filter(|_| arguments.breathing);
+    let mut breathing = begun.map(BreathingOverTime::of);
     let (mut moving, mut spread) = (MovingMeans::over(OVER), Vec::new());
     let departures = if record.trajectories().is_some() { Departures::of_appearing } else { Departures::of };
     let (mut departures, mut balance) = (departures(people), BalanceOverTime::of(people));
@@ -54,6 +58,7 @@ pub fn pass(
         };
         departures.add(&frame);
         balance.add(&frame);
+        breathing.iter_mut().for_each(|breathing| breathing.add(&frame));
         passages.iter_mut().for_each(|line| line.add(&frame));
         for (area, seen) in areas.iter().zip(&mut densities) {
             seen.push(area.what.measure(&frame, room));
@@ -78,6 +83,12 @@ pub fn pass(
         bail!("{}: no frame between --from and --until", record.source().display());
     };
     let (walls, panels) = loads.and_then(LoadsOverTime::finish).map(of_walls).unzip();
+    let breathing = match breathing.map(BreathingOverTime::finish) {
+        Some(Err(why)) => bail!("--breathing: {}: {why}", record.source().display()),
+        Some(Ok(each)) => BreathingSummary::of(each, ids),
+        None if arguments.breathing => bail!("--breathing: {}: {NO_TRIAL}", record.source().display()),
+        None => None,
+    };
     let squeezed = SqueezeSummary::of(&exposure, &parts, (above, *over), ids);
     Ok(RunSummary {
         source: arguments.source.path.display().to_string(),
@@ -99,6 +110,7 @@ pub fn pass(
         walls,
         panels,
         balance: balance.finish().and_then(|kept| BalanceSummary::of(kept, ids)),
+        breathing,
         notes: Vec::new(),
     })
 }

@@ -2,9 +2,10 @@
 
 use super::options::Labelled;
 use lemons_results::Trajectories;
+use lemons_results::measure::BREATHING_LOADS as LOADS;
 use lemons_results::measure::{
-    Across, CountingLine, Crossings, Density, Exposed, Kept, Left, MeanMax, MeasuringArea, Panel, Passages,
-    SPANS, SqueezeOverTime, WallLoad, WallLoads, Way,
+    Across, Breathing, CountingLine, Crossings, Density, Exposed, Kept, Left, MeanMax, MeasuringArea, Panel,
+    Passages, SPANS, SqueezeOverTime, WallLoad, WallLoads, Way,
 };
 use serde::Serialize;
 
@@ -36,6 +37,8 @@ pub struct RunSummary {
     pub panels: Option<Vec<LoadedPanel>>,
     /// How people kept their balance; null: they have no legs.
     pub balance: Option<BalanceSummary>,
+    /// How long trunks were pressed; null: not asked for.
+    pub breathing: Option<BreathingSummary>,
     /// Notes of what the squeezes can mean, and what not.
     pub notes: Vec<String>,
     /// \[s\], \[N\] Of the mean squeezes of all people over the second that ends then: those of [`QUANTILES`].
@@ -171,6 +174,47 @@ impl BalanceSummary {
             steps: each.iter().map(|one| u64::from(one.steps)).sum(),
             time_unbalanced: OfPeople::of(&each, ids, |one| Some(one.time_unbalanced))?,
             lean: OfPeople::of(&each, ids, |one| Some(one.lean))?,
+            each,
+        })
+    }
+}
+
+#[derive(Serialize)]
+pub struct BreathingSummary {
+    /// How many would have become critical, if they bear as much as the median.
+    pub critical: usize,
+    /// The same, as people differ: the sum of their parts.
+    pub expected: f64,
+    /// \[s\] When the first of them was; null: nobody.
+    pub first: Option<f64>,
+    pub dose: OfPeople,
+    /// \[N\]
+    pub front: OfPeople,
+    /// \[N\]
+    pub side: OfPeople,
+    /// \[N\]
+    pub least: OfPeople,
+    /// \[s\]
+    pub above: [(f64, OfPeople); LOADS.len()],
+    #[serde(skip)]
+    pub each: Vec<Breathing>,
+}
+
+impl BreathingSummary {
+    /// `None` without people.
+    pub fn of(each: Vec<Breathing>, ids: &[String]) -> Option<BreathingSummary> {
+        let of = |number: fn(&Breathing) -> f64| OfPeople::of(&each, ids, |one| Some(number(one)));
+        let above = [of(|one| one.above_623)?, of(|one| one.above_1112)?, of(|one| one.above_6227)?];
+        let mut above = LOADS.into_iter().zip(above);
+        Some(BreathingSummary {
+            critical: each.iter().filter(|one| one.critical_at.is_some()).count(),
+            expected: each.iter().map(|one| one.critical_part).sum(),
+            first: each.iter().filter_map(|one| one.critical_at).reduce(f64::min),
+            dose: of(|one| one.dose)?,
+            front: of(|one| one.front)?,
+            side: of(|one| one.side)?,
+            least: of(|one| one.least)?,
+            above: [above.next()?, above.next()?, above.next()?],
             each,
         })
     }

@@ -16,12 +16,14 @@ pub fn of(
     summary: &RunSummary,
 ) -> Result<Vec<(&'static str, String)>> {
     let (flow, people) = (flow(arguments.window, summary), people(arguments, ids, summary));
-    let all = [flow, gaps(ids, summary), density(summary), people, walls(summary), panels(summary)];
+    let breathing = breathing(ids, summary);
+    let all =
+        [flow, gaps(ids, summary), density(summary), people, walls(summary), panels(summary), breathing];
     NAMES.into_iter().zip(all).map(|(name, table)| Ok((name, table?))).collect()
 }
 
 /// Names of the tables.
-pub const NAMES: [&str; 6] = ["flow", "gaps", "density", "people", "walls", "panels"];
+pub const NAMES: [&str; 7] = ["flow", "gaps", "density", "people", "walls", "panels", "breathing"];
 
 /// The fields of a [`WallLoad`](lemons_results::measure::WallLoad).
 const LOADS: [&str; 9] = [
@@ -122,6 +124,26 @@ fn people(arguments: &Arguments, ids: &[String], summary: &RunSummary) -> Result
         (id, numbers, balance.iter().map(|balance| &balance.each[k]).collect::<Vec<&Kept>>())
     });
     csv(&names, row)
+}
+
+/// A row for each person: the fields of a [`Breathing`](lemons_results::measure::Breathing).
+fn breathing(ids: &[String], summary: &RunSummary) -> Result<String> {
+    let names = [
+        "id",
+        "front",
+        "side",
+        "least",
+        "dose",
+        "critical_at",
+        "critical_x",
+        "critical_y",
+        "critical_part",
+        "above_623",
+        "above_1112",
+        "above_6227",
+    ];
+    let each = summary.breathing.iter().flat_map(|of| &of.each);
+    csv(&names, ids.iter().zip(each))
 }
 
 /// A row for each panel.

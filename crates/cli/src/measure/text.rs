@@ -1,7 +1,8 @@
 //! The numbers of a measurement as text, 80 columns wide.
 
 use super::summary::{
-    BalanceSummary, LoadedPanel, LoadedWall, OfArea, OfLine, OfPart, OfPeople, RunSummary, SqueezeSummary,
+    BalanceSummary, BreathingSummary, LoadedPanel, LoadedWall, OfArea, OfLine, OfPart, OfPeople, RunSummary,
+    SqueezeSummary,
 };
 use crate::print;
 use anyhow::Result;
@@ -9,6 +10,11 @@ use lemons_core::message::message;
 use lemons_report::sentences::{DESIGN_LOADS, NO_DESIGN, SINGLE};
 use lemons_results::measure::{By, Crossings, Left, MeanMax, WallLoad};
 use std::io::Write;
+
+/// What a dose is not.
+const BREATHING: &str = "Means over a breath of 5 s. The dose is of 14 healthy women who lay on their backs with weights \
+    (Motomura et al. 2019): critical is what tires breathing, nobody's death. People who stand, differ and push were not \
+    measured (docs/levels.md).";
 
 /// Columns of a line.
 const WIDTH: usize = 80;
@@ -26,6 +32,7 @@ pub fn print(summary: &RunSummary) -> Result<()> {
     summary.areas.iter().try_for_each(|area| of_area(&mut out, area))?;
     summary.exposure.iter().try_for_each(|squeeze| of_squeeze(&mut out, squeeze))?;
     summary.notes.iter().try_for_each(|note| paragraph(&mut out, note))?;
+    summary.breathing.iter().try_for_each(|breathing| of_breathing(&mut out, breathing, *people))?;
     if let (Some(walls), Some(panels)) = (&summary.walls, &summary.panels) {
         of_walls(&mut out, walls, panels)?;
     }
@@ -171,6 +178,25 @@ fn of_balance(out: &mut impl Write, balance: &BalanceSummary, people: usize) -> 
     writeln!(out, "{:>31} {:>10} {:>10}", "median", "90 %", "greatest")?;
     of_people(out, "time unbalanced", Some(time_unbalanced), "s", "")?;
     of_people(out, "largest lean", Some(lean), "m", "")
+}
+
+fn of_breathing(out: &mut impl Write, breathing: &BreathingSummary, people: usize) -> Result<()> {
+    let BreathingSummary { critical, expected, first, dose, front, side, least, above, .. } = breathing;
+    let when = first.map_or(String::new(), |first| format!(", the first at {first:.1} s"));
+    writeln!(
+        out,
+        "\nbreathing: for {critical} of {people} people the dose is critical{when}; {expected:.1} expected"
+    )?;
+    writeln!(out, "{:>31} {:>10} {:>10}", "median", "90 %", "greatest")?;
+    of_people(out, "dose (1: critical)", Some(dose), "", "")?;
+    for (label, of) in [("chest front–back", front), ("chest side–side", side), ("from all sides", least)]
+    {
+        of_people(out, label, Some(of), "N", "")?;
+    }
+    for (level, time) in above.iter().filter(|(_, time)| time.max > 0.0) {
+        of_people(out, &format!("above {level} N"), Some(time), "s", "")?;
+    }
+    paragraph(out, BREATHING)
 }
 
 /// Panels that are listed.

@@ -90,7 +90,7 @@ fn both_run_both_versions_to_the_same_bits() {
         own
     });
     let (other_2, (description, other_3)) = (theirs_2(&fmu_2), theirs_3(&fmu_3));
-    assert_eq!((description.modelVariables.len(), description.outputs.len()), (44, 19));
+    assert_eq!((description.modelVariables.len(), description.outputs.len()), (46, 21));
     let inputs = description.modelVariables.iter().filter(|it| it.causality == fmi3::Causality::Input);
     assert_eq!(inputs.map(|it| &it.name[..]).collect::<Vec<_>>(), ["Fp", "Mp", "Active"]);
 

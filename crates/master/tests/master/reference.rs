@@ -196,7 +196,7 @@ fn what_is_broken_is_said_with_its_place() {
             "agent[1].Theta",
             "outputs.csv:1: two columns are \"agent[1].Theta\"",
         ),
-        ("outputs.csv", "\n0.05,", "\n0.05,1,", "outputs.csv:3: has 89 values instead of 88"),
+        ("outputs.csv", "\n0.05,", "\n0.05,1,", "outputs.csv:3: has 99 values instead of 98"),
         (
             "outputs.csv",
             "\n0.05,0",

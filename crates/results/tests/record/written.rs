@@ -28,9 +28,9 @@ fn frames(count: usize, groups: Groups) -> Vec<Frame> {
         std::array::from_fn(|place| match place {
             0..6 => number(10 * k + i + place),
             6..9 => f64::from(i32::MAX) - (7 * k + i + place) as f64,
-            9..14 => number(7 * k + i + place).abs(),
-            14 | 18 | 19 => f64::from(k + place < 16 + i),
-            15 | 16 => number(5 * k + i + place),
+            9..16 => number(7 * k + i + place).abs(),
+            19 | 23 | 24 => f64::from(k + place < 21 + i),
+            16..19 | 20 | 21 => number(5 * k + i + place),
             _ => k as f64,
         })
     };
