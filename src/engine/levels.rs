@@ -43,7 +43,7 @@ impl Levels {
                 (same[0], first - same.len()..first)
             });
             slabs.push(ends.collect());
-            let holds = |heights: &Heights| chest.is_some_and(|at| heights.bottom <= at && at < heights.top);
+            let holds = |heights: &Heights| chest.is_some_and(|at| heights.hold(at));
             of_chest.extend(disks.iter().map(holds));
         }
         if !of_chest.contains(&true) {

@@ -45,8 +45,11 @@ pub(crate) struct DrawnBody {
 }
 
 impl DrawnBody {
-    pub fn new(agent: &Agent) -> DrawnBody {
-        let disks = agent.disks_facing_x().into_iter().map(|(centre, radius)| Disk { radius, centre });
+    /// At a height \[m\], it is the disks that are there.
+    pub fn new(agent: &Agent, height: Option<f64>) -> DrawnBody {
+        let disks = agent.disks_facing_x().into_iter().zip(&agent.shapes);
+        let disks = disks.filter(|(_, shape)| height.is_none_or(|height| shape.heights.hold(height)));
+        let disks = disks.map(|((centre, radius), _)| Disk { radius, centre });
         let disks: Vec<Disk> =
             disks.filter(|d| near(d.centre) && near(vec2(d.radius, 0.0)) && d.radius > 0.0).collect();
         let inside = disks.iter().any(|d| d.centre.norm() < d.radius);

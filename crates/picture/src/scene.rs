@@ -75,6 +75,8 @@ pub struct PictureScene<'a> {
     pub loads: Option<LoadMap>,
     /// Exits, and other places of a plan.
     pub marks: Vec<PlaceMark>,
+    /// \[m\] The height of what is drawn; `None`: all heights.
+    pub(crate) height: Option<f64>,
     pub(crate) bodies: Vec<DrawnBody>,
 }
 
@@ -90,7 +92,7 @@ pub struct LoadMap {
 impl<'a> PictureScene<'a> {
     /// Makes a scene of the agents of a Trial at these poses.
     pub fn new(trial: &'a Trial, poses: Vec<Pose>) -> PictureScene<'a> {
-        let bodies = trial.agents.iter().map(DrawnBody::new).collect();
+        let bodies = trial.agents.iter().map(|agent| DrawnBody::new(agent, None)).collect();
         PictureScene {
             trial,
             poses,
@@ -101,8 +103,16 @@ impl<'a> PictureScene<'a> {
             density: None,
             loads: None,
             marks: Vec::new(),
+            height: None,
             bodies,
         }
+    }
+
+    /// Returns the scene at a height \[m\]: of the disks and walls that are there.
+    #[must_use]
+    pub fn at_height(self, height: Option<f64>) -> PictureScene<'a> {
+        let bodies = self.trial.agents.iter().map(|agent| DrawnBody::new(agent, height)).collect();
+        PictureScene { height, bodies, ..self }
     }
 
     /// Makes a scene of the Trial as in its files, without those who come later.

@@ -11,7 +11,7 @@ use crate::scene::{DrawnForce, MarkKind, PictureScene, PlaceMark, Trail};
 use crate::style::Style;
 use crate::text::{PX, escaped, text_of};
 use lemons_core::plane::{Pose, Vec2, rotation, vec2};
-use lemons_core::trial::Geometry;
+use lemons_core::trial::{Geometry, Wall};
 
 /// \[px\] Width of walls.
 const WALL_STROKE: f64 = 2.4;
@@ -218,7 +218,9 @@ impl<'a> World<'a> {
             let look =
                 format!("class=\"{class}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"");
             self.group(&look, |world| {
-                for wall in &world.scene.trial.geometry.walls {
+                let height = world.scene.height;
+                let there = |wall: &&Wall| height.is_none_or(|height| wall.heights.hold(height));
+                for wall in world.scene.trial.geometry.walls.iter().filter(there) {
                     let corners: Vec<Vec2> = wall.corners.iter().copied().filter(|c| near(*c)).collect();
                     let [first, rest @ .., last] = &corners[..] else { continue };
                     let closed = first == last && rest.len() > 1;

@@ -64,6 +64,9 @@ pub struct StyleArguments {
     /// Meaning of x and y of the measured trajectories
     #[arg(long, value_name = "ORIGIN", default_value = "plane", requires = "measured")]
     measured_from: CoordinateOrigin,
+    /// Draw only the disks and walls at this height, in metres: of people in levels
+    #[arg(long, value_name = "METRES", value_parser = number(|height| (0.0..1e3).contains(&height), "a height in metres, not below 0"))]
+    height: Option<f64>,
     /// Draw the agents' Ids on the bodies
     #[arg(long)]
     ids: bool,
@@ -235,7 +238,7 @@ impl<'r> Scenes<'r> {
             run,
             measured: arguments.measured(&run.run)?,
             replay: arguments.forces.then(|| Replay::new(&run.trial)).transpose()?,
-            scene: PictureScene::at_start(&run.trial),
+            scene: PictureScene::at_start(&run.trial).at_height(arguments.height),
             style: Style::default(),
             shown,
             told: false,

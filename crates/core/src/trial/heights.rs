@@ -39,6 +39,11 @@ impl Heights {
         self.top.min(other.top) - self.bottom.max(other.bottom)
     }
 
+    /// Returns whether a height \[m\] is in it.
+    pub fn hold(&self, height: f64) -> bool {
+        self.bottom <= height && height < self.top
+    }
+
     /// \[m\] Returns top − bottom.
     pub fn extent(&self) -> f64 {
         self.top - self.bottom

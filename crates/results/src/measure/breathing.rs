@@ -81,8 +81,7 @@ fn time_to_critical(load: f64) -> f64 {
 /// the abdomen is assumed to bear as much.
 fn trunk(agent: &Agent) -> f64 {
     let chest = agent.chest_height.unwrap_or_default();
-    let of_chest = |heights: &lemons_core::trial::Heights| heights.bottom <= chest && chest < heights.top;
-    if agent.shapes.iter().all(|shape| of_chest(&shape.heights)) { 1.0 } else { 2.0 }
+    if agent.shapes.iter().all(|shape| shape.heights.hold(chest)) { 1.0 } else { 2.0 }
 }
 
 impl BreathingOverTime {
