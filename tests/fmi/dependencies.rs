@@ -20,7 +20,7 @@ fn pressed() -> Trial {
     let places = [(-0.1, 0.0), (-0.1, 0.0), (0.15, 0.05), (1.3, -0.02), (1.62, 0.03)];
     for (i, (own, (x, y))) in trial.dynamics.iter_mut().zip(places).enumerate() {
         (own.position, own.velocity) = (vec2(x, y), vec2(0.1 * i as f64, -0.1));
-        own.omega = 0.2;
+        (own.theta, own.omega) = (own.theta + 0.4, 0.2);
     }
     trial.agents.iter_mut().for_each(|agent| agent.chest_height = Some(1.3));
     trial.geometry.divide(PanelChoice::Longest(0.3)).unwrap();
