@@ -87,7 +87,20 @@ export function CrowdTab() {
                     onChange={(material) => set({ material, friction: null })}
                 />
                 <NumberField label={t("Friction")} value={frictionOf(crowd)} min={0} max={2} step={0.05} onChange={(friction) => set({ friction })} />
-                {Object.keys(crowd.mix).length === 0 && <Check label={t("Round bodies: one disk each, of the same area")} value={crowd.round} onChange={(round) => set({ round })} />}
+                {Object.keys(crowd.mix).length === 0 && <Check label={t("Round bodies: one disk each, of the same area")} value={crowd.round} onChange={(round) => set({ round, ...(round ? { levels: null } : {}) })} />}
+                {!crowd.round && (
+                    <Choice
+                        label={t("Levels")}
+                        value={String(crowd.levels ?? 1)}
+                        choices={[
+                            ["1", t("As seen from above")],
+                            ["2", "2"],
+                            ["3", "3"],
+                            ["5", "5"],
+                        ]}
+                        onChange={(levels) => set({ levels: levels === "1" ? null : Number(levels) })}
+                    />
+                )}
                 <MakeCrowd />
             </form>
             <Hand />

@@ -15,7 +15,7 @@ type Upload = Extract<Base, { kind: "upload" }>;
 export type KeptPeople = Extract<People, { kind: "survey" | "statistics" }> | ({ kind: "table"; files: [Sex, string, number][] } & Kept);
 /** Of a scenario what the forms have; `session.ts` makes one of it. */
 type Keys = Pick<Scenario, "number" | "density" | "direction" | "friction" | "round">;
-export type KeptCrowd = Keys & { seed: number; room: Room; region: Point[] | null; people: KeptPeople; mix: Record<string, number>; men: number; speed: number; material: Material };
+export type KeptCrowd = Keys & { seed: number; room: Room; region: Point[] | null; people: KeptPeople; mix: Record<string, number>; men: number; speed: number; material: Material; levels: number | null };
 export type KeptBase = Extract<Base, { kind: "example" }> | ({ kind: "crowd" } & KeptCrowd) | (Upload & Kept);
 
 /** Most corners of an area and of a wall, most walls, most parts of another kind, most letters of a name, of a path and of a list of values,
@@ -59,6 +59,7 @@ const CROWD: { [K in keyof KeptCrowd]: Row<KeptCrowd[K]> } = {
     material: row(one("human_naked", "human_clothes", "human_soft"), "human_naked"),
     friction: row(nullable(number), null),
     round: row(flag, false),
+    levels: row(nullable(within(1, 10)), null),
 };
 const inCrowd = record<KeptCrowd>(forms(CROWD));
 /** The forms of a crowd at first. */
@@ -67,10 +68,10 @@ export const FIRST_CROWD: KeptCrowd = firsts(CROWD);
 export function frictionOf({ friction, material }: Pick<KeptCrowd, "friction" | "material">): number {
     return friction ?? (material === "human_clothes" ? 0.5 : 0.4);
 }
-/** Former pages kept whether people wear clothes, no material, no friction, no round bodies, and no kinds. */
+/** Former pages kept whether people wear clothes, no material, no friction, no round bodies, no levels, and no kinds. */
 export const crowd: Check<KeptCrowd> = (given) => {
     const kept = given as { clothes?: unknown };
-    return inCrowd({ material: kept?.clothes === true ? "human_clothes" : "human_naked", friction: null, round: false, mix: {}, ...kept });
+    return inCrowd({ material: kept?.clothes === true ? "human_clothes" : "human_naked", friction: null, round: false, levels: null, mix: {}, ...kept });
 };
 /** As `roomFits`, of a crowd. */
 export const crowdFits = (given: KeptCrowd) => fits(crowd, given);

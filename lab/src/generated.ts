@@ -84,6 +84,9 @@ export type KindStatistics = { kind: string, count: number, proportion: number, 
 /** A layer of a drawing. */
 export type LayerFound = { name: string, sort: string, lines: number, };
 
+/** Levels in which people have disks. */
+export type LevelsForm = number | Array<number>;
+
 /** How long people were above a limit. */
 export type Limit = { above: AboveLimit | null, };
 
@@ -185,7 +188,7 @@ export type RoomRequest = { room: Room, edit: RoomEdit | null, near: [number, nu
 export type Rotational = { time_gap: number, standstill_gap: number, reaction_time: number, speed_noise: number, acceleration: number, };
 
 /** A scenario. Without `box`, `geometry` and `room`, people stand in the open. */
-export type Scenario = { box: Pair | null, geometry: string | null, drawing: DrawingForm, room: Room | null, doors: Array<Array<number>>, regions: Array<RegionForm>, grounds: Array<GroundForm>, links: Array<LinkForm>, sources: Array<SourceForm>, number: number | null, density: number | null, seed: number | null, people: People, men: number | null, pedestrians: number | null, mix: Record<string, number | "rest">, packing: Method, orientation: OrientationName | null, direction: number | null, allow_overlap: boolean, material: string | null, friction: number | null, round: boolean, time_step: number | null, panel_length: number | null, speed: number | null, leave: boolean, pushes: Array<Push>, decision: DecisionConfig, };
+export type Scenario = { box: Pair | null, geometry: string | null, drawing: DrawingForm, room: Room | null, doors: Array<Array<number>>, regions: Array<RegionForm>, grounds: Array<GroundForm>, links: Array<LinkForm>, sources: Array<SourceForm>, number: number | null, density: number | null, seed: number | null, people: People, men: number | null, pedestrians: number | null, mix: Record<string, number | "rest">, packing: Method, orientation: OrientationName | null, direction: number | null, allow_overlap: boolean, material: string | null, friction: number | null, round: boolean, levels: LevelsForm | null, time_step: number | null, panel_length: number | null, speed: number | null, leave: boolean, pushes: Array<Push>, decision: DecisionConfig, };
 
 /** A scene. */
 export type Scene = { run: number, name: string, agents: Array<AgentShown>, kinds: { [key in string]: Array<string> }, walls: Array<WallShown>, grounds: Array<Array<[number, number]>>, links: Array<Array<[number, number]>>, step: number, mechanical_step: number, stable: number | null, longest: number | null, advised: number | null, error: number | null, warnings: Array<Message>, materials: Array<Material2d>, contacts: Array<Contact<number>>, overlapping: Array<number>, overlap: number, pushed: Array<string>, walk: boolean, ways: Array<Array<Waypoint>>, targets: Array<Target>, leaving: number, beyond_doors: Array<[[number, number], [number, number]]>, people: Array<PersonDrawn | null> | null, };

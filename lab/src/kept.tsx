@@ -42,7 +42,7 @@ function factsOf({ base: crowd, motion, mechanics, edits }: Made): string[] {
     if (crowd.kind === "crowd") {
         parts.push(crowd.number === null ? t("{density} people per m²", { density: crowd.density! }) : count(crowd.number, "{n} person", "{n} people"));
         for (const { width, open } of crowd.room.doors) parts.push([t("door {width} m", { width: Number(width.toFixed(3)) }), openWords(open)].filter(Boolean).join(", "));
-        parts.push(crowd.material, t("friction {friction}", { friction: frictionOf(crowd) }), crowd.round ? t("round bodies") : t("real bodies"), ...mixWords(crowd.mix));
+        parts.push(crowd.material, t("friction {friction}", { friction: frictionOf(crowd) }), crowd.round ? t("round bodies") : crowd.levels ? t("disks in {levels} levels", { levels: crowd.levels }) : t("real bodies"), ...mixWords(crowd.mix));
         if (crowd.men !== 0.5) parts.push(t("{men} % men", { men: Math.round(100 * crowd.men) }));
     }
     if (edits.some((edit) => edit.do === "room")) parts.push(t("walls changed"));

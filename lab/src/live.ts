@@ -74,7 +74,7 @@ export function place(asStep: boolean) {
 
 /** Whether the same people stand at the same places in both crowds. */
 export function same(one: KeptCrowd, other: KeptCrowd): boolean {
-    const [a, b] = [one, other].map(({ room: { outline, obstacles, walls }, seed, number, density, region, people, mix, men, direction, round }) => JSON.stringify([outline, obstacles, walls, seed, number, density, region, people, mix, men, direction, round]));
+    const [a, b] = [one, other].map(({ room: { outline, obstacles, walls }, seed, number, density, region, people, mix, men, direction, round, levels }) => JSON.stringify([outline, obstacles, walls, seed, number, density, region, people, mix, men, direction, round, levels]));
     return a === b;
 }
 

@@ -60,7 +60,7 @@ function assumptions({ base, motion, edits, mechanics }: Made): [string, string]
             [t("Room"), `${length(width, unit)} × ${length(height, unit)}, ${count(base.room.obstacles.length, "{n} obstacle", "{n} obstacles")}`],
             [t("Doors"), base.room.doors.map((door) => [length(door.width, unit), openWords(door.open)].filter(Boolean).join(", ")).join("; ") || t("none")],
             [t("Drawn from"), t("{population}, {men} % men, seed {seed}", { population: POPULATIONS[base.people.kind], men: Math.round(100 * base.men), seed: base.seed })],
-            [t("Bodies"), `${mixed ? t("disks by kind") : base.round ? t("one disk each") : t("five disks each")}, ${base.material}, ${t("friction {friction}", { friction: frictionOf(base) })}`],
+            [t("Bodies"), `${mixed ? t("disks by kind") : base.round ? t("one disk each") : base.levels ? t("disks in {levels} levels", { levels: base.levels }) : t("five disks each")}, ${base.material}, ${t("friction {friction}", { friction: frictionOf(base) })}`],
         );
         if (mixed) rows.push([t("Kinds"), mixWords(base.mix).join(", ")]);
     } else rows.push(["Trial", `"${brief(base.name, 60)}"`]);

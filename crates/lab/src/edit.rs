@@ -10,7 +10,9 @@ use lemons_core::message::{Message, message};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{Agent, AgentDynamics, Interactions, Trial};
 use lemons_people::room::Room;
-use lemons_people::{Disk, PART_MATERIALS, Person, SKINS, Shape, choose_mechanical_step};
+use lemons_people::{
+    BodyDisk, CrowdMember, PART_MATERIALS, Person, SKINS, Shape, chest_height, choose_mechanical_step,
+};
 use lemons_scenario::Scenario;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -142,9 +144,9 @@ fn change(loaded: &mut LoadedTrial, edit: &Edit, crowd: Option<&Scenario>) -> Re
         }
         Edit::Put { id, person, x, y, theta } => {
             let (person, here) = (person.person()?, pose(*x, *y, *theta)?);
-            let round = crowd.is_some_and(|scenario| scenario.round);
-            let (agent, drive) = measured(&loaded.trial, &person, round)?;
-            put(loaded, id, agent, Some(lemons_people::CrowdMember::Pedestrian(person)), drive, here)?;
+            let alone = CrowdMember::Pedestrian(person);
+            let (agent, drive) = measured(&loaded.trial, &person, &alone, crowd)?;
+            put(loaded, id, agent, Some(alone), drive, here)?;
         }
         Edit::Delete { id } => {
             let place = place_of(id)?;
@@ -159,28 +161,40 @@ fn change(loaded: &mut LoadedTrial, edit: &Edit, crowd: Option<&Scenario>) -> Re
 }
 
 /// A person of the material of the first one, driven like it.
-fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, AgentDynamics), Refused> {
+fn measured(
+    trial: &Trial,
+    person: &Person,
+    alone: &CrowdMember,
+    crowd: Option<&Scenario>,
+) -> Result<(Agent, AgentDynamics), Refused> {
     let first = trial.agents.first().zip(trial.dynamics.first());
     let (first, drive) = first.ok_or_else(|| Refused(message!(NOBODY_LEFT)))?;
     let mut shape = Shape::of(person)?;
-    if round {
+    if crowd.is_some_and(|scenario| scenario.round) {
         shape = lemons_scenario::round(&shape);
     }
+    let slabs = crowd.and_then(|scenario| scenario.settings().slabs);
+    let disks = match &slabs {
+        Some(slabs) => slabs.disks(alone)?,
+        None => shape.disks.iter().copied().map(BodyDisk::of).collect(),
+    };
+    let chest = slabs.map(|_| chest_height(alone)).transpose()?;
     let materials = trial.agents.iter().flat_map(|agent| &agent.shapes).map(|disk| &disk.material_id);
     let own = materials.clone().find(|id| !PART_MATERIALS.contains(&&***id));
     // Where all sit in wheelchairs, nobody has a material.
     let material_id = own.map_or(SKINS[0], |id| id);
-    let disk = |disk: &Disk| lemons_core::trial::ShapeElement {
+    let disk = |BodyDisk { disk, heights, .. }: BodyDisk| lemons_core::trial::ShapeElement {
         radius: disk.radius,
         material_id: material_id.to_owned(),
         position: disk.centre,
-        heights: Default::default(),
+        heights,
     };
     let agent = Agent {
         mass: person.mass,
         height: Some(person.stature),
         moment_of_inertia: shape.inertia(person.mass),
-        shapes: shape.disks.iter().map(disk).collect(),
+        shapes: disks.into_iter().map(disk).collect(),
+        chest_height: chest.flatten(),
         kind: None,
         ..first.clone()
     };

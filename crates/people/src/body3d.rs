@@ -33,6 +33,7 @@ pub use slices::BodySlice;
 use crate::error::{Result, require};
 use crate::person::{BodyMeasure, Person};
 use lemons_core::plane::{Vec2, vec2};
+use measures::Measures;
 use skin::Ring;
 use slices::volume;
 use template::{Skins, Template, other_side};
@@ -207,6 +208,17 @@ impl Body3d {
             ring.points = ring.points.map(|point| point - ahead);
         }
         self
+    }
+
+    /// Returns the stature \[m\].
+    pub(crate) fn stature(&self) -> f64 {
+        self.person.stature
+    }
+
+    /// Returns the height \[m\] of the chest: of the nipples.
+    pub fn chest_height(&self) -> f64 {
+        let (larger, size) = Body3d::larger(&self.person);
+        landmarks::Heights::of(&Measures::of(&larger)).chest * size
     }
 
     fn parts(&self) -> impl Iterator<Item = (BodyPart, &Vec<Ring>)> {

@@ -14,6 +14,7 @@ use lemons_core::distribution::{Distribution, inverse};
 use lemons_core::files::words;
 use lemons_core::message::message;
 use lemons_core::plane::{Disk, Vec2, union, vec2};
+use lemons_core::trial::Heights;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -391,6 +392,15 @@ pub struct BodyDisk {
     pub disk: Disk,
     /// Id of the material of a part; `None`: the people's.
     pub material: Option<String>,
+    /// Where it is above the floor.
+    pub heights: Heights,
+}
+
+impl BodyDisk {
+    /// Makes a disk of a person, of all heights.
+    pub fn of(disk: Disk) -> BodyDisk {
+        BodyDisk { disk, material: None, heights: Heights::default() }
+    }
 }
 
 /// A member of a mixed crowd: a person of some kind with what goes along with it, one rigid body.
@@ -430,7 +440,7 @@ struct Pieces {
 impl Pieces {
     /// Adds disks between those that are there: the first and the last one say where the body looks.
     fn add(&mut self, disks: impl Iterator<Item = Disk>, material: Option<&str>) {
-        let new = disks.map(|disk| BodyDisk { disk, material: material.map(str::to_owned) });
+        let new = disks.map(|disk| BodyDisk { material: material.map(str::to_owned), ..BodyDisk::of(disk) });
         let place = self.disks.len().min(1);
         self.disks.splice(place..place, new);
     }

@@ -14,6 +14,7 @@ pub mod drawing;
 mod error;
 mod growth;
 mod kinds;
+mod levels;
 mod light_xml;
 mod materials;
 mod person;
@@ -41,6 +42,7 @@ pub use kinds::{BICYCLE, BodyDisk, BodyStatistics, KindPart, Kinds, Member, Part
 pub use lemons_core::distribution::{Distribution, Range, TruncatedNormal};
 pub use lemons_core::plane::is_closed;
 pub use lemons_core::plane::{Disk, Moments};
+pub use levels::{Slabs, chest_height};
 pub use light_xml::light_xml;
 pub use materials::{PART_MATERIALS, SKINS, materials, paper_materials};
 pub use person::{BodyMeasure, Person, Sex};

@@ -4,7 +4,7 @@ use crate::anthropometry::{SexStatistics, ansur};
 use crate::bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES, POSSIBLE};
 use crate::copula::{Copula, Correlations};
 use crate::error::{PeopleError, Result, require};
-use crate::kinds::{BodyStatistics, Member, PersonKind, draw_child};
+use crate::kinds::{BodyDisk, BodyStatistics, Member, PersonKind, draw_child};
 use crate::person::{BodyMeasure, Person, Sex};
 use crate::random::Random;
 use crate::shape::Shape;
@@ -116,6 +116,19 @@ impl CrowdMember {
         match self {
             CrowdMember::Member(member) => Some(member),
             CrowdMember::Pedestrian(_) => None,
+        }
+    }
+
+    /// Returns the disks of the plan.
+    ///
+    /// # Errors
+    /// As those of [`Shape::of`].
+    pub fn disks(&self) -> Result<Vec<BodyDisk>> {
+        match self {
+            CrowdMember::Pedestrian(person) => {
+                Ok(Shape::of(person)?.disks.into_iter().map(BodyDisk::of).collect())
+            }
+            CrowdMember::Member(member) => Ok(member.disks.clone()),
         }
     }
 

@@ -6,6 +6,7 @@
 
 use crate::error::{Result, require};
 use crate::kinds::BodyDisk;
+use crate::levels::{Slabs, chest_height};
 use crate::materials::{SKINS, materials, paper_materials};
 use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
@@ -32,12 +33,19 @@ pub struct TrialSettings {
     /// \[m/s\] Velocity that each agent would reach alone: the propulsion force is m v / t_transl (the paper's eq. 4).
     /// Zero: no propulsion.
     pub desired_velocity: Vec2,
+    /// People in levels, whose load on the chest is an output; without it they are as in the plan.
+    pub slabs: Option<Slabs>,
 }
 
 impl Default for TrialSettings {
     /// The paper's App. C: people without clothes, at rest, without propulsion; 10 ms between two decisions.
     fn default() -> TrialSettings {
-        TrialSettings { time_step: 0.01, people: "human_naked".into(), desired_velocity: Vec2::zeros() }
+        TrialSettings {
+            time_step: 0.01,
+            people: "human_naked".into(),
+            desired_velocity: Vec2::zeros(),
+            slabs: None,
+        }
     }
 }
 
@@ -100,23 +108,23 @@ pub fn crowd_trial(
 
 /// The body of an agent in `Agents.xml`.
 fn body(agent: &crate::CrowdMember, id: usize, settings: &TrialSettings) -> Result<Agent> {
-    let (kind, stature, mass, inertia, disks) = match agent {
+    let (kind, stature, mass, inertia) = match agent {
         crate::CrowdMember::Pedestrian(person) => {
-            let shape = Shape::of(person)?;
-            let inertia = shape.inertia(person.mass);
-            let disks = shape.disks.into_iter().map(|disk| BodyDisk { disk, material: None }).collect();
-            (None, person.stature, person.mass, inertia, disks)
+            let inertia = Shape::of(person)?.inertia(person.mass);
+            (None, person.stature, person.mass, inertia)
         }
         crate::CrowdMember::Member(member) => {
             let (person, _) = member.people[0];
-            (Some(&member.kind), person.stature, member.mass, member.inertia, member.disks.clone())
+            (Some(&member.kind), person.stature, member.mass, member.inertia)
         }
     };
-    let shape = |BodyDisk { disk, material }: BodyDisk| lemons_core::trial::ShapeElement {
+    let disks = settings.slabs.as_ref().map_or_else(|| agent.disks(), |slabs| slabs.disks(agent))?;
+    let chest = settings.slabs.as_ref().map(|_| chest_height(agent)).transpose()?;
+    let shape = |BodyDisk { disk, material, heights }: BodyDisk| lemons_core::trial::ShapeElement {
         radius: disk.radius,
         material_id: material.unwrap_or_else(|| settings.people.clone()),
         position: disk.centre,
-        heights: Default::default(),
+        heights,
     };
     Ok(Agent {
         agent_type: Some("pedestrian".into()),
@@ -128,7 +136,7 @@ fn body(agent: &crate::CrowdMember, id: usize, settings: &TrialSettings) -> Resu
         floor_damping: FLOOR_DAMPING,
         floor_damping_across: kind.and_then(|kind| kind.floor_damping_across),
         angular_damping: FLOOR_DAMPING,
-        chest_height: None,
+        chest_height: chest.flatten(),
         shapes: disks.into_iter().map(shape).collect(),
     })
 }
@@ -157,6 +165,7 @@ impl TrialSettings {
         let Materials { mut intrinsic, mut binary, load_length } = materials();
         intrinsic.retain(|material| has(&material.id));
         binary.retain(|contact| has(&contact.id1) && has(&contact.id2));
+        let load_length = self.slabs.as_ref().and_then(Slabs::load_length).unwrap_or(load_length);
         Materials { load_length, intrinsic, binary }
     }
 

@@ -4,8 +4,8 @@ use crate::error::{Result, impossible, require, within};
 use crate::range;
 use lemons_core::plane::{Ring, Vec2};
 use lemons_core::trial::{FARTHEST, Ground, Incline, Link, OpeningTimes};
-use lemons_people::Door;
 use lemons_people::drawing::{DEVIATION, Enclosing, PlanSettings, Reading, WIDEST_DOOR};
+use lemons_people::{Door, PeopleError, Slabs};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -237,6 +237,30 @@ impl DrawingForm {
             to_origin: self.origin,
             walls: self.walls.clone(),
             enclosing: self.enclosed.then(|| Enclosing { obstacles: self.obstacles.clone(), widest }),
+        }
+    }
+}
+
+/// Levels in which people have disks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+#[serde(untagged, expecting = "expected a number of levels, or their heights in m, as in [1.0, 1.3]")]
+pub enum LevelsForm {
+    /// So many equal ones.
+    Number(u32),
+    /// \[m\] About these heights.
+    Heights(Vec<f64>),
+}
+
+impl LevelsForm {
+    /// Returns them.
+    ///
+    /// # Errors
+    /// There are too few or too many, or the heights are not possible.
+    pub fn slabs(&self) -> Result<Slabs, PeopleError> {
+        match self {
+            LevelsForm::Number(count) => Slabs::equal(*count as usize),
+            LevelsForm::Heights(heights) => Slabs::about(heights),
         }
     }
 }

@@ -14,7 +14,7 @@ mod source;
 
 pub use error::{ALL as SENTENCES, Result, ScenarioError, with_names};
 pub use forms::{
-    DoorForm, DrawingForm, GroundForm, LinkForm, OrientationName, RegionForm, Share, TwoNumbers,
+    DoorForm, DrawingForm, GroundForm, LevelsForm, LinkForm, OrientationName, RegionForm, Share, TwoNumbers,
 };
 pub use leave::own_speeds;
 pub use people::{Crowd, Four, People, Ready, round};
@@ -115,6 +115,8 @@ pub struct Scenario {
     pub friction: Option<f64>,
     /// True if each body is one disk, of the same area.
     pub round: bool,
+    /// Number of levels in which people have disks, or their heights \[m\]; if it is not said, the plan.
+    pub levels: Option<LevelsForm>,
     /// \[s\] Communication step. If it is not said, 0.01.
     pub time_step: Option<f64>,
     /// \[m\] Length of the longest panel of the walls, whose loads are outputs. If it is not said, walls have none.
@@ -312,6 +314,10 @@ impl Scenario {
             format!("`material` = {:?}: must be one of {}", self.material(), SKINS.join(", "))
         })?;
         require(!self.round || self.mix.is_empty(), || message!(ROUND))?;
+        self.slabs()?;
+        fits(!self.round || self.levels.is_none(), || {
+            "`levels` and `round`: a round body is of all heights".to_owned()
+        })?;
         for (key, count) in [
             ("doors", doors.len()),
             ("regions", regions.len()),

@@ -15,7 +15,7 @@ use lemons_people::placing::{
 };
 use lemons_people::{
     BICYCLE, CrowdMember, Custom, CustomMeasures, Disk, Kinds, PeopleError, Person, Population,
-    PopulationSource, Sex, Shape, Survey, TrialSettings, TruncatedNormal, choose_mechanical_step,
+    PopulationSource, Sex, Shape, Slabs, Survey, TrialSettings, TruncatedNormal, choose_mechanical_step,
     crowd_trial, heading,
 };
 use serde::{Deserialize, Serialize};
@@ -321,6 +321,19 @@ impl Scenario {
         Err(ScenarioError::NoRoom { place: format!("{name}, {packed}"), what, hint })
     }
 
+    /// Returns the slabs in which people have disks.
+    pub(crate) fn slabs(&self) -> Result<Option<Slabs>> {
+        self.levels.as_ref().map(|levels| levels.slabs().of("`levels`")).transpose()
+    }
+
+    /// Returns the shape of an agent that is placed, before it is made round.
+    pub(crate) fn shape_of(&self, agent: &CrowdMember) -> Result<Shape> {
+        match self.slabs()? {
+            Some(slabs) => slabs.shape(agent).of("`levels`"),
+            None => Ok(agent.shape()?),
+        }
+    }
+
     /// Returns the settings of the Trial. People who leave are driven by nothing else.
     pub fn settings(&self) -> TrialSettings {
         let speed = self.speed.filter(|_| !self.leave).unwrap_or(0.0);
@@ -328,6 +341,7 @@ impl Scenario {
             time_step: self.time_step.unwrap_or(0.01),
             people: self.material().to_owned(),
             desired_velocity: heading(self.direction.unwrap_or(0.0)) * speed,
+            slabs: self.slabs().unwrap_or_default(),
         }
     }
 
@@ -344,8 +358,8 @@ impl Ready<'_> {
     /// They do not fit without overlap and may not overlap, or `watch` stopped the placing.
     pub fn crowd(&self, watch: &mut Watch) -> Result<Crowd> {
         let Ready { scenario, place, numbers, agents, .. } = self;
-        let mut shapes =
-            agents.iter().map(CrowdMember::shape).collect::<Result<Vec<Shape>, PeopleError>>()?;
+        let shapes = agents.iter().map(|agent| scenario.shape_of(agent));
+        let mut shapes = shapes.collect::<Result<Vec<Shape>>>()?;
         if scenario.round {
             shapes = shapes.iter().map(round).collect();
         }

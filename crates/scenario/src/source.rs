@@ -131,7 +131,7 @@ impl Scenario {
             let Some(Bounds { low, high }) = Bounds::of(corners.iter().copied()) else { continue };
             let seed = self.seed_of_source(k, 1);
             for person in people {
-                let disks = person.shape()?.disks;
+                let disks = self.shape_of(person)?.disks;
                 let reach = disks.iter().map(|disk| disk.centre.norm() + disk.radius).fold(0.0, f64::max);
                 let clear = |[a, b]: &[Vec2; 2], at| (nearest_on_segment(*a, *b, at) - at).norm() > reach;
                 let who = placed.len() as u64;

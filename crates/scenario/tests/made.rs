@@ -1,5 +1,6 @@
 //! Scenarios of `crowds/` are made, written and read again. Tests of command, sweep, lab and Python compare with them.
 
+use crowd_mechanics::setup::Setup;
 use lemons_core::files::source::{LocalFiles, Memory};
 use lemons_decision::{DecisionConfig, Spread};
 use lemons_scenario::{MOST_PEOPLE, RegionForm, Scenario, ScenarioDocuments, ScenarioError};
@@ -127,4 +128,29 @@ fn what_cannot_be_is_said_with_its_key() {
     files.put(Path::new("a/b.toml"), b"number = 3\ngeometry = \"c.xml\"".to_vec());
     let read = Scenario::read(&files, Path::new("a/b.toml")).unwrap();
     assert_eq!(read.geometry.as_deref(), Some(Path::new("a/c.xml")));
+}
+
+/// Fifty people in levels are apart at the start; nobody is round in levels.
+#[test]
+fn people_in_levels_are_apart() {
+    let text = "number = 50\nbox = [6, 5]\nlevels = 3\nmix = { adult = 80, child = 20 }";
+    let made = documents(&Scenario::from_toml(text).unwrap()).unwrap();
+    let mut world = Setup::of(&made.trial).world().unwrap();
+    assert!(world.contacts().contacts.is_empty(), "{:?}", world.contacts().contacts);
+    world.advance(2.0).unwrap();
+    assert!(world.state().twists.iter().all(|twist| twist.velocity.norm() == 0.0));
+    for (levels, words) in [
+        ("0", "`levels`: 0: must be 1 to 10"),
+        ("[1.0]", "must be 2 to 10 heights"),
+        ("[1.3, 1.0]", "each must be at least 0.02 m above the one before"),
+        ("[1.0, 3.0]", "must be from 0.1 to 2.2 m"),
+        ("\"many\"", "expected a number of levels, or their heights in m"),
+        ("3\nround = true", "`levels` and `round`"),
+        ("[1.9, 2.1]", "m does not reach the lowest level, which begins at 1.8 m"),
+    ] {
+        let text = format!("number = 3\nbox = [5, 5]\nlevels = {levels}");
+        let message =
+            Scenario::from_toml(&text).and_then(|scenario| documents(&scenario)).unwrap_err().to_string();
+        assert!(message.contains(words), "{levels}: {message}");
+    }
 }

@@ -29,7 +29,9 @@ use lemons_people::{
     Body3d, CrowdMember, CrowdStatistics, SKINS, TORSO_ALTITUDE, TRIAL_FILES, crowd_csv, light_xml,
     may_write, write_trial, write_trial_zip,
 };
-use lemons_scenario::{Crowd, MOST_PEOPLE, OrientationName, Ready, Scenario, ScenarioError, with_names};
+use lemons_scenario::{
+    Crowd, LevelsForm, MOST_PEOPLE, OrientationName, Ready, Scenario, ScenarioError, with_names,
+};
 use lemons_sim::lint::of_plan;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -105,6 +107,11 @@ struct TrialArguments {
     /// divides it. Default: 0.01
     #[arg(long, value_name = "SECONDS", value_parser = ranged("time_step", " (s)"))]
     time_step: Option<f64>,
+    /// Give people disks at several heights instead of a plan: a number of levels from 2 to 10, of equal height
+    /// from 0.5 m to 1.7 m, or at least two heights in m, as in 1.0,1.3,1.5. With 1 people are as in the plan,
+    /// and the load on their chests is an output, as with others. Default: the plan
+    #[arg(long, value_name = "N|HEIGHTS", value_parser = levels)]
+    levels: Option<LevelsForm>,
     /// Divide the walls into panels, none longer than this, in m: for each, outputs say how hard people press
     /// on it (lemons measure --walls). Default: no panels
     #[arg(long, value_name = "METRES", value_parser = ranged("panel_length", " (m)"))]
@@ -156,6 +163,14 @@ fn altitude(text: &str) -> Result<Altitude, String> {
         "torso" => Ok(None),
         _ => within(0.0, 3.0, " (m), or torso")(text).map(Some),
     }
+}
+
+/// A number, or heights \[m\].
+fn levels(text: &str) -> Result<LevelsForm, String> {
+    let heights = || text.split(',').map(|at| at.trim().parse()).collect::<Result<_, _>>().ok();
+    let form = text.parse().ok().map(LevelsForm::Number).or_else(|| heights().map(LevelsForm::Heights));
+    let form = form.ok_or("must be a number of levels, as in 3, or their heights in m, as in 1.0,1.3,1.5")?;
+    form.slabs().map(|_| form).map_err(|error| error.to_string())
 }
 
 /// \[m\] For the word torso those of the lowest, the mean and the highest one; none where nobody has a torso.
@@ -469,10 +484,11 @@ impl Arguments {
         self.source.fill(&mut scenario)?;
         self.placing.fill(&mut scenario);
         self.leaving.fill(&mut scenario)?;
-        let TrialArguments { material, speed, time_step, panel_length, .. } = &self.trial;
+        let TrialArguments { material, speed, time_step, panel_length, levels, .. } = &self.trial;
         scenario.material = material.clone().or(scenario.material);
         scenario.speed = speed.or(scenario.speed);
         scenario.time_step = time_step.or(scenario.time_step);
+        scenario.levels = levels.clone().or(scenario.levels);
         scenario.panel_length = panel_length.or(scenario.panel_length);
         Ok((file, scenario))
     }

@@ -3,7 +3,7 @@
 //! A seated body is the standing one with bent knees and elbows: simple, an assumption. Things are the plain solids of
 //! `data/kinds.toml`. Closed surfaces may overlap here: thighs begin within the trunk, wheels in their axles.
 
-use super::{Body3d, BodySlice, MeshPart};
+use super::{Body3d, BodySlice, MeshPart, TORSO_ALTITUDE};
 use crate::anthropometry::ansur;
 use crate::bicycle::{Bicycle, PAPER_BICYCLES};
 use crate::error::Result;
@@ -80,6 +80,24 @@ impl Figure {
         self.kind.as_ref().filter(|kind| kind.seated).map(|kind| kind.seat)
     }
 
+    /// Returns the bodies with their places \[m\], and how much \[m\] higher than those of who stands their trunks are.
+    pub(crate) fn trunks(&self) -> impl Iterator<Item = (&Body3d, Vec2, f64)> {
+        let raised = |body: &Body3d| self.seat().map_or(0.0, |seat| seat - body.rings[0][0].z);
+        self.people.iter().map(move |(body, at)| (body, *at, raised(body)))
+    }
+
+    /// Returns the parts of the kind, with where they are measured from \[m\], and their lowest and highest place \[m\].
+    pub(crate) fn parts(&self) -> impl Iterator<Item = (&KindPart, Vec2, [f64; 2])> {
+        let parts = self.kind.iter().flat_map(|kind| &kind.parts).zip(&self.origins);
+        parts.map(|(part, origin)| (part, *origin, extent(&solids(part))))
+    }
+
+    /// Returns the lowest and the highest place \[m\] of the bicycle, if somebody rides one.
+    pub(crate) fn bicycle(&self) -> Option<[f64; 2]> {
+        let kind = self.kind.as_ref().filter(|kind| kind.bicycle)?;
+        Some(extent(&kind.solids.iter().map(solid).collect::<Vec<_>>()))
+    }
+
     /// Returns the closed parts of the bodies: all, or less fine ones to be looked at ([`Body3d::coarse_mesh`]).
     pub fn bodies(&self, fine: bool) -> Vec<MeshPart> {
         let mut all = Vec::new();
@@ -146,16 +164,20 @@ pub type PlacedPeople = Vec<(Person, Vec2)>;
 const USUAL_STATURE: f64 = 1.75;
 
 /// A person whose measures fit an agent of a Trial: the extents of its disks, without those of things that go along,
-/// are breadth and depth; of somebody who has none, those of the mean man. The sex cannot be known: it is taken for a
-/// man.
+/// are breadth and depth, in levels those at the torso's altitude; of somebody who has none, those of the mean man. The
+/// sex cannot be known: it is taken for a man.
 pub fn person_fitting(agent: &lemons_core::trial::Agent) -> Person {
+    let stature = agent.height.unwrap_or(USUAL_STATURE);
+    let torso = TORSO_ALTITUDE * stature;
     let disks = agent.disks_facing_x().into_iter().zip(&agent.shapes);
-    let own = disks.filter(|(_, shape)| !PART_MATERIALS.contains(&&*shape.material_id));
+    let own = disks.filter(|(_, shape)| {
+        !PART_MATERIALS.contains(&&*shape.material_id)
+            && (shape.heights.bottom..shape.heights.top).contains(&torso)
+    });
     let own: Vec<Disk> = own.map(|((centre, radius), _)| Disk { radius, centre }).collect();
     let [breadth, depth, ..] = ansur(Sex::Male).measures.each_ref().map(|measure| measure.mean);
     let size = if own.is_empty() { vec2(depth, breadth) } else { bounds(own.into_iter()).size() };
     let (depth, breadth) = (size.x, size.y);
-    let stature = agent.height.unwrap_or(USUAL_STATURE);
     Person { sex: Sex::Male, breadth, depth: depth.min(breadth), stature, mass: agent.mass }
 }
 
@@ -215,6 +237,12 @@ fn people_of(kind: &PersonKind, agent: &lemons_core::trial::Agent) -> Option<Pla
         }
         _ => None,
     }
+}
+
+/// \[m\] The lowest and the highest place of parts, not below the floor.
+fn extent(parts: &[MeshPart]) -> [f64; 2] {
+    let heights = parts.iter().flat_map(|part| &part.vertices).map(|place| place[2]);
+    heights.fold([f64::MAX, 0.0], |[low, high], z| [low.min(z.max(0.0)), high.max(z)])
 }
 
 fn shift(part: &mut MeshPart, by: Vec2) {
