@@ -178,7 +178,6 @@ fn measured(
         Some(slabs) => slabs.disks(alone)?,
         None => shape.disks.iter().copied().map(BodyDisk::of).collect(),
     };
-    let chest = slabs.map(|_| chest_height(alone)).transpose()?;
     let materials = trial.agents.iter().flat_map(|agent| &agent.shapes).map(|disk| &disk.material_id);
     let own = materials.clone().find(|id| !PART_MATERIALS.contains(&&***id));
     // Where all sit in wheelchairs, nobody has a material.
@@ -194,7 +193,7 @@ fn measured(
         height: Some(person.stature),
         moment_of_inertia: shape.inertia(person.mass),
         shapes: disks.into_iter().map(disk).collect(),
-        chest_height: chest.flatten(),
+        chest_height: slabs.map(|_| chest_height(alone)),
         kind: None,
         ..first.clone()
     };

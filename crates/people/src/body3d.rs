@@ -215,10 +215,11 @@ impl Body3d {
         self.person.stature
     }
 
-    /// Returns the height \[m\] of the chest: of the nipples.
-    pub fn chest_height(&self) -> f64 {
-        let (larger, size) = Body3d::larger(&self.person);
-        landmarks::Heights::of(&Measures::of(&larger)).chest * size
+    /// Returns the heights \[m\] of somebody's crotch, and of the chest, at the nipples.
+    pub(crate) fn crotch_and_chest(person: &Person) -> [f64; 2] {
+        let (larger, size) = Body3d::larger(person);
+        let landmarks::Heights { crotch, chest, .. } = landmarks::Heights::of(&Measures::of(&larger));
+        [crotch * size, chest * size]
     }
 
     fn parts(&self) -> impl Iterator<Item = (BodyPart, &Vec<Ring>)> {

@@ -132,12 +132,13 @@ impl Slabs {
 }
 
 /// \[m\] Returns the height of somebody's chest: of the person, if there is a child at its hand.
-///
-/// # Errors
-/// As those of [`Body3d::similar`].
-pub fn chest_height(agent: &CrowdMember) -> Result<Option<f64>> {
-    let figure = Figure::of(agent)?;
-    Ok(figure.trunks().next().map(|(body, _, raised)| rounded(body.chest_height() + raised)))
+pub fn chest_height(agent: &CrowdMember) -> f64 {
+    let (person, seat) = match agent {
+        CrowdMember::Pedestrian(person) => (person, None),
+        CrowdMember::Member(member) => (&member.people[0].0, member.kind.seated.then_some(member.kind.seat)),
+    };
+    let [crotch, chest] = Body3d::crotch_and_chest(person);
+    rounded(chest + seat.map_or(0.0, |seat| seat - crotch))
 }
 
 /// \[m\] Heights are written in tenths of a millimetre.

@@ -119,7 +119,7 @@ fn body(agent: &crate::CrowdMember, id: usize, settings: &TrialSettings) -> Resu
         }
     };
     let disks = settings.slabs.as_ref().map_or_else(|| agent.disks(), |slabs| slabs.disks(agent))?;
-    let chest = settings.slabs.as_ref().map(|_| chest_height(agent)).transpose()?;
+    let chest_height = settings.slabs.as_ref().map(|_| chest_height(agent));
     let shape = |BodyDisk { disk, material, heights }: BodyDisk| lemons_core::trial::ShapeElement {
         radius: disk.radius,
         material_id: material.unwrap_or_else(|| settings.people.clone()),
@@ -136,7 +136,7 @@ fn body(agent: &crate::CrowdMember, id: usize, settings: &TrialSettings) -> Resu
         floor_damping: FLOOR_DAMPING,
         floor_damping_across: kind.and_then(|kind| kind.floor_damping_across),
         angular_damping: FLOOR_DAMPING,
-        chest_height: chest.flatten(),
+        chest_height,
         shapes: disks.into_iter().map(shape).collect(),
     })
 }

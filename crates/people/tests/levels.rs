@@ -92,7 +92,7 @@ fn everybody_looks_ahead_and_is_otherwise_as_in_the_plan() {
             let turned = agent.disks_facing_x().into_iter().zip(&agent.shapes);
             assert!(turned.clone().all(|((at, _), of)| at == of.position), "{:?}", agent.kind);
             assert!(!agent.shapes.iter().any(|of| of.heights.is_all()) && agent.shapes.len() > 4);
-            assert_eq!(agent.chest_height, chest_height(who).unwrap());
+            assert_eq!(agent.chest_height, Some(chest_height(who)));
             let without = |agent: &Agent| Agent { shapes: Vec::new(), chest_height: None, ..agent.clone() };
             assert_eq!(without(agent), without(old));
         }
@@ -131,8 +131,9 @@ fn nobody_is_above_the_stature_and_no_chair_above_its_back() {
         let (chair, person): (Vec<_>, Vec<_>) = agent.shapes.iter().partition(|of| of.material_id == "frame");
         assert!(chair.iter().all(|of| of.heights.top < 0.94) && chair.len() == 10);
         assert!(person.iter().all(|of| of.heights.bottom > 0.92 && of.heights.top < 1.6) && person.len() > 4);
-        // The ISO's eye height in a wheelchair is some 1.2 m, so the chest is lower.
-        assert!((0.85..1.1).contains(&agent.chest_height.unwrap()), "{:?}", agent.chest_height);
+        // Somebody's chest is between the seat and the top of the head.
+        let top = person.iter().map(|of| of.heights.top).fold(0.0, f64::max);
+        assert!(agent.chest_height.is_some_and(|at| at > 0.48 + 0.2 && at < top - 0.3), "{agent:?}");
     }
     // Who has only a head in the levels.
     let tall = Slabs::about(&[1.6, 1.7]).unwrap();
