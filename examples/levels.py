@@ -7,7 +7,7 @@ docs/levels.md has the tables and what they mean. The cases, each of which can b
 
 - `covered`: the paper's figure: ground covered at the heights of the shortest, the mean and the tallest torso, 6 people per m².
 - `pressed`: a hall of 2 m by 6 m whose people press towards its end: density, squeeze, and compression of chests there.
-- `doors`: flow of 60 people through a door of 0.9 m and of 1.2 m.
+- `doors`: flow of 50 people through a door of 0.9 m and of 1.2 m.
 - `row`: a push on the last of a row of people who touch: what arrives at the wall before the first.
 
 Each has people without children, with 20 and 50 % children, and with 10 % wheelchairs. Needs the command `lemons` (or its path
@@ -68,7 +68,7 @@ chest_90 = {{ breathing = "front", across = "quantile_90", from = 7.0 }}
 DOORS = """\
 box = [6, 6]
 doors = [[6, 3, {width}]]
-number = 60
+number = 50
 mix = {mix}
 time_step = 0.02
 leave = true
@@ -85,13 +85,13 @@ until = "left"
 door = [6, 4, 6, 2]
 
 [measures]
-flow = {{ line = "door", number = "flow" }}
+flow = {{ line = "door", direction = "left", number = "flow" }}
 squeeze_90 = {{ squeeze = "largest_mean", over = 1, across = "quantile_90" }}
 """
-#: A lane of 0.7 m; the push is on who stands in the last metre. Everybody leans first, so that people touch.
+#: A lane of 0.8 m; the push is on who stands in the last metre. Everybody leans first, so that people touch.
 ROW = """\
-box = [6, 0.8]
-number = 14
+box = [8, 0.8]
+number = 12
 mix = {mix}
 orientation = "fixed"
 direction = 0.0
@@ -147,11 +147,11 @@ def sweep(target, name, scenario, settings, arguments):
     (target / f"{name}_sweep.toml").write_text(settings.format(name=name, levels=arguments.levels, seeds=arguments.seeds))
     table = target / f"{name}.csv"
     lemons("sweep", target / f"{name}_sweep.toml", "-o", table, "--force")
-    runs = pd.read_csv(table)
-    failed = runs[runs["status"] != "done"]
+    runs = pd.read_csv(table, comment="#")
+    failed = runs[runs["status"] != "ok"]
     if len(failed):
         print(f"{name}: {len(failed)} runs failed: {failed['error'].iloc[0]}")
-    return runs[runs["status"] == "done"]
+    return runs[runs["status"] == "ok"]
 
 
 def interval(values):
@@ -169,6 +169,9 @@ def cases(target, case, variants, settings, measures, arguments):
     print(f"{case}, {arguments.seeds} seeds\n{'':<30}" + "".join(f"{measure:>20}" for measure in measures))
     for variant, make in variants.items():
         for mix, shares in MIXES.items():
+            if case == "doors" and "wheelchair" in mix:
+                # They jam in both doors, in levels and in the plan.
+                continue
             name = f"{case}_{variant}{mix}".replace(" ", "").replace("%", "")
             runs = sweep(target, name, make(shares), settings, arguments)
             for levels in arguments.levels:
