@@ -2,7 +2,7 @@
 //!
 //! An element of an array is called `Name[i,j]`: the naming convention of FMI 3.0, with indices from 1 as in
 //! `fmi3GetVariableDependencies`. Elements of people have the names that they have in FMI 2.0, with indices from 0: an
-//! array whose first dimension is the structural parameter `Agents` has the elements `agent[i].Name`; with a second
+//! array whose first dimension is the structural parameter `Agents` or `Chests` has the elements `agent[i].Name`; with a second
 //! dimension of 2 they are `agent[i].Name.x` and `agent[i].Name.y`. In the same way an array `WallName` of the structural
 //! parameter `WallSegments` has the elements `wall[k].Name`, and an array `BarrierName` of
 //! `Panels` has the elements `barrier[k].Name`. Where an array of people has the name that FMI 2.0 gives to
@@ -12,8 +12,8 @@ use super::{ArrayDimension, FmuVariable, Interface, Single};
 use crate::error::{Result, require};
 use crate::ssp::document::Causality;
 
-/// The structural parameter that is the number of people.
-const AGENTS: &str = "Agents";
+/// The structural parameters that are the number of people: of all, and where the load on chests is found.
+const OF_PEOPLE: [&str; 2] = ["Agents", "Chests"];
 /// Those that are the numbers of straight pieces of walls and of panels; what names of arrays of them begin with, and what
 /// elements are called.
 const OF_WALLS: [(&str, &str, &str); 2] =
@@ -84,7 +84,7 @@ impl Interface {
 
     /// Returns whether the variable has an element, or elements, for each of some people.
     pub fn is_of_agents(&self, variable: &FmuVariable) -> bool {
-        self.is_of(AGENTS, variable)
+        OF_PEOPLE.iter().any(|size| self.is_of(size, variable))
     }
 
     /// Returns whether the first dimension of the variable is the structural parameter of this name.
