@@ -138,6 +138,18 @@ def test_a_trial_that_goes_on_has_those_who_come_later(lemons, tmp_path):
     assert f"(of {people} people" in told and re.search(rf"left +{people} ", told)
 
 
+def test_who_comes_later_has_not_left_also_where_the_trial_does_not_say_so(lemons, tmp_path):
+    call(lemons, tmp_path, "crowd", "--scenario", SCENARIO, "-o", "T")
+    dynamics = tmp_path / "T/dynamic/AgentDynamics.xml"
+    assert ' Active="false"' in dynamics.read_text()
+    dynamics.write_text(dynamics.read_text().replace(' Active="false"', ""))
+    call(lemons, tmp_path, "run", "T", "--until", "5", "-o", "run.csv")
+    active = table_of(tmp_path / "run.csv")["active"].to_numpy() == 1
+    left = (active.any(axis=0) & ~active[-1]).sum()
+    for measured in (["T", "--until", "5"], ["run.csv", "--trial", "T"]):
+        assert re.search(rf"left +{left} of 23 people", call(lemons, tmp_path, "measure", *measured))
+
+
 def test_who_finds_no_room_waits_outside_and_it_is_said(lemons, tmp_path):
     """Forty people are due in two seconds where three fit at once, in front of a door that shuts after 25."""
     (tmp_path / "s.toml").write_text(
