@@ -170,6 +170,14 @@ def test_who_finds_no_room_waits_outside_and_it_is_said(lemons, tmp_path):
     # Never more than 25 have left; the others are there, before the exit.
     left = np.maximum.accumulate(active, axis=0).sum(axis=1) - active.sum(axis=1)
     assert left.max() == 25 and (np.diff(left) >= 0).all() and active[-1].sum() == 15
+    # In a Trial that goes on, those who have left count.
+    part = (left >= 10).argmax()
+    then = left[part]
+    call(lemons, tmp_path, "run", "T", "--until", seen.index[part], "-o", "part.csv")
+    call(lemons, tmp_path, "export", "part.csv", "later", "--to", "trial", "--trial", "T")
+    assert tomllib.loads((tmp_path / "later/decision.toml").read_text())["exits"][0]["most"] == 25 - then
+    told = call(lemons, tmp_path, "run", "later", "--until", "60", "-o", "later.csv")
+    assert re.search(rf"left +{25 - then} +\(of {40 - then} people", told)
 
 
 def test_a_train_lets_out_and_in(lemons, tmp_path):
