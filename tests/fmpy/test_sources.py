@@ -217,16 +217,18 @@ def test_what_cannot_be_is_told(lemons, tmp_path, source, said):
 
 
 def test_a_state_between_coming_and_the_step_keeps_the_walk(lemons, tmp_path, pack, instantiate):
-    """The outside: the same step without the state between. The last one comes at a walk."""
+    """The outside: the same step without the state between. The last one comes at a walk, after a step outside."""
     call(lemons, tmp_path, "crowd", "--scenario", SCENARIO, "-o", "T")
     ended = []
     for saves in (False, True):
         fmu = instantiate(pack(tmp_path / "T")).initialize()
         last = len(bodies(tmp_path / "T")) - 1
+        fmu.step(STEP)
         fmu[f"agent[{last}].Active"] = True
         if saves:
             data = fmu.fmu.serializeFMUstate(fmu.fmu.getFMUstate())
             fmu = instantiate(pack(tmp_path / "T"))
+            fmu.time = STEP
             fmu.fmu.setFMUstate(fmu.fmu.deSerializeFMUstate(data))
         fmu.step(STEP)
         ended.append((fmu[f"agent[{last}].Velocity.x"], fmu[f"agent[{last}].Velocity.y"]))
