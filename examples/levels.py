@@ -30,7 +30,7 @@ MIXES = {
     "10 % wheelchairs": '{ adult = "rest", wheelchair = 10.0 }',
 }
 
-#: Towards the end at x = 6 m; people lean with 180 N as in docs/barriers.md.
+#: Towards the end at x = 6 m, whose last metre is measured; people lean with 180 N as in docs/barriers.md.
 PRESSED = """\
 box = [6, 2]
 density = 3.0
@@ -54,7 +54,7 @@ until = 12.0
 "population.seed" = {{ from = 1, to = {seeds} }}
 
 [areas]
-end = [4, 0, 6, 2]
+end = [5, 0, 6, 2]
 
 [measures]
 density = {{ area = "end", number = "density", take = "mean", from = 10.0 }}
@@ -88,7 +88,7 @@ door = [6, 4, 6, 2]
 flow = {{ line = "door", direction = "left", number = "flow" }}
 squeeze_90 = {{ squeeze = "largest_mean", over = 1, across = "quantile_90" }}
 """
-#: A lane of 0.8 m; the push is on who stands in the last metre. Everybody leans first, so that people touch.
+#: A lane of 0.8 m; the push is on who stands in the last 2.5 m. Everybody leans first, so that people touch.
 ROW = """\
 box = [8, 0.8]
 number = 12
@@ -99,8 +99,8 @@ time_step = 0.01
 panel_length = 1.0
 
 [[pushes]]
-at = [0.0, 0.4]
-radius = 1.0
+at = [0.5, 0.4]
+radius = 2.0
 direction = 0.0
 force = 600.0
 start = 8.0

@@ -4,7 +4,7 @@ use super::broad_phase::{CellGrid, Crowded, NearMargin, SKIN};
 use super::circle::Circle;
 use super::compression::compressions;
 use super::contacts::{SpringUpdate, Step};
-use super::face::{Face, nearest_on_face};
+use super::face::nearest_on_face;
 use super::free_flight::Course;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::report::ContactReport;
@@ -14,7 +14,7 @@ use super::{
     Body, BodyId, ChestExposure, Compression, DiskId, Exposure, Exposures, FaceExposure, InPlane, Pose,
     Scene, Shortlisting, State, Threads, ThreadsError, Twist, Vec2, WallId, Work, Wrench, rotation,
 };
-use lemons_core::plane::{Motion, body_meets};
+use lemons_core::plane::{self, Motion, body_meets};
 use std::sync::OnceLock;
 use thiserror::Error;
 
@@ -240,43 +240,37 @@ impl World {
         !scene.bodies.iter().enumerate().any(is_in)
     }
 
-    /// Returns whether a body at a pose would touch nobody who is there, and no wall.
-    pub fn has_room(&self, body: BodyId, pose: Pose) -> bool {
-        let (scene, b) = (&self.scene, body.index());
-        let of = &scene.bodies[b];
-        let own = |d: usize| {
-            let disk = &scene.disks[d];
-            (pose.position + rotation(pose.orientation) * disk.offset, disk.radius)
+    /// Returns whether a body at a pose would touch no wall and nobody who is there; and at a line that it passes on the way,
+    /// nobody who is beyond it.
+    fn has_room(&self, body: BodyId, pose: Pose, line: Vec2) -> bool {
+        let (scene, poses) = (&self.scene, &self.state.poses);
+        let disk = |d: usize, pose: Pose| {
+            (pose.position + rotation(pose.orientation) * scene.disks[d].offset, scene.disks[d].radius)
         };
-        let own: Vec<(Vec2, f64)> = of.disks.clone().map(own).collect();
-        let clear = |other: usize| {
-            let (at, reach) = (self.state.poses[other].position, scene.bodies[other].bounding_radius);
-            (at - pose.position).norm() >= reach + of.bounding_radius
-                || scene.bodies[other].disks.clone().all(|d| {
-                    let at = scene.centre(DiskId::from(d), &self.state.poses);
-                    own.iter().all(|(own, radius)| (at - own).norm() >= radius + scene.disks[d].radius)
-                })
-        };
-        let wall_is_clear = |face: &Face| !body_meets(&own, face.start, face.end);
-        let mut faces = (0..scene.wall_faces.len())
-            .filter(|&w| self.present_walls[w])
-            .flat_map(|w| &scene.faces[scene.wall_faces[w].clone()]);
-        (0..scene.bodies.len()).all(|other| other == b || !self.present[other] || clear(other))
-            && faces.all(wall_is_clear)
+        let disks = |b: usize, pose: Pose| scene.bodies[b].disks.clone().map(move |d| disk(d, pose));
+        let own = |pose: Pose| disks(body.index(), pose).collect::<Vec<_>>();
+        let there = |b: &usize| self.present[*b] && *b != body.index();
+        let other = |b: usize| (poses[b].position, scene.bodies[b].bounding_radius, disks(b, poses[b]));
+        let others = || (0..poses.len()).filter(there).map(other);
+        let beyond = others().filter(|(at, ..)| (at - line).dot(&(pose.position - line)) > 0.0);
+        let walls = scene.wall_faces.iter().zip(&self.present_walls).filter(|(_, is_there)| **is_there);
+        let faces = walls.flat_map(|(faces, _)| &scene.faces[faces.clone()]);
+        plane::has_room(pose.position, &own(pose), faces.map(|face| [face.start, face.end]), others())
+            && plane::has_room(line, &own(Pose { position: line, ..pose }), std::iter::empty(), beyond)
     }
 
-    /// Puts bodies elsewhere, one after the other, if they have room there: people who change the floor. Their contacts
-    /// end; the [`World::exposures`] stay.
+    /// Puts bodies elsewhere, one after the other, if they have room there, and at a line that they pass on the way: people who
+    /// change the floor. Their contacts end; the [`World::exposures`] stay.
     ///
     /// # Errors
     /// More pairs are near each other than the limit of memory allows. The world is then unchanged.
-    pub fn relocate(&mut self, moved: &[(BodyId, Motion)]) -> Result<(), Crowded> {
+    pub fn relocate(&mut self, moved: &[(BodyId, Motion, Vec2)]) -> Result<(), Crowded> {
         if moved.is_empty() {
             return Ok(());
         }
         let before = self.state.clone();
-        for (body, Motion { pose, twist }) in moved {
-            if self.has_room(*body, *pose) {
+        for (body, Motion { pose, twist }, line) in moved {
+            if self.has_room(*body, *pose, *line) {
                 let b = body.index();
                 (self.state.poses[b], self.state.twists[b]) = (*pose, *twist);
             }

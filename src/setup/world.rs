@@ -6,7 +6,7 @@ use crate::engine::{
     PairLaw, Scene, State, WallId, WallSpec, World, Wrench, elongation_vector,
 };
 use lemons_core::message::{Message, message};
-use lemons_core::plane::{InPlane, Motion, Pose, Twist, segments_touch};
+use lemons_core::plane::{InPlane, Motion, Pose, Twist, Vec2, segments_touch};
 use lemons_core::rule::sentences::*;
 use lemons_core::trial::{
     Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Link, LinkPassage, Material,
@@ -253,10 +253,11 @@ impl Setup<'_> {
             let beyond = passages.iter().filter(|passage| passage.is_beyond(pose.position));
             let passage = beyond.into_iter().find(is_open)?;
             let twist = world.state().twists[*b];
-            Some((BodyId::from(*b), passage.carried(Motion { pose, twist })))
+            let line = passage.place(passage.foot(pose.position));
+            Some((BodyId::from(*b), passage.carried(Motion { pose, twist }), line))
         };
         let there = (0..self.agents.len()).filter(|&b| world.present()[b]);
-        let moved: Vec<(BodyId, Motion)> = there.filter_map(|b| over(&b)).collect();
+        let moved: Vec<(BodyId, Motion, Vec2)> = there.filter_map(|b| over(&b)).collect();
         world.relocate(&moved).map_err(|crowded| self.too_crowded(crowded))
     }
 

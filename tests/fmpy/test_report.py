@@ -161,6 +161,23 @@ def test_what_was_stuck_is_said_at_the_top(lemons, tmp_path):
         assert notice in done.stdout
 
 
+@pytest.mark.parametrize("model", ["straight", "rotational"])
+def test_runs_that_do_not_differ_are_no_sample(lemons, tmp_path, model):
+    """The outside: tables of two seeds, compared as bytes."""
+    (tmp_path / "room.toml").write_text(ROOM.replace("40", "3") + f'[decision]\nmodel = "{model}"\n')
+    command(lemons, "crowd", "--scenario", "room.toml", "-o", "T", cwd=tmp_path)
+    tables = []
+    for seed in (1, 2):
+        decision = (tmp_path / "T/decision.toml").read_text()
+        (tmp_path / "own.toml").write_text(re.sub(r"(?m)^seed = .*\n", "", decision).replace("model =", f"seed = {seed}\nmodel =", 1))
+        command(lemons, "run", "T", "--decision", "own.toml", "--until", 2, "-o", f"{seed}.csv", cwd=tmp_path)
+        tables.append([line for line in (tmp_path / f"{seed}.csv").read_text().splitlines() if line[0] != "#"])
+    command(lemons, "report", "T", "--seeds", 2, "--until", 2, cwd=tmp_path)
+    notices = [text(of) for of in page(tmp_path / "report.html").xpath("//p[@class='notice']")]
+    said = any(notice.startswith("All runs are the same: nothing in them depends on the seed.") for notice in notices)
+    assert said == (tables[0] == tables[1]) == (model == "straight"), notices
+
+
 def test_a_report_that_is_stopped_is_not_there(lemons, tmp_path):
     (tmp_path / "room.toml").write_text(ROOM.replace("number = 40", "number = 90"))
     begun = subprocess.Popen([lemons, "report", "room.toml", "--seeds", "1000"], cwd=tmp_path, stderr=subprocess.PIPE, text=True)

@@ -308,14 +308,16 @@ desired_speed = 0.3
             assert abs(across) < 1e-4 * (1 + math.hypot(fx, fy)) and fx > -1e-9
 
 
-def test_who_finds_no_room_beyond_a_link_waits_before_it(lemons, tmp_path):
-    """Somebody stands where the first one would arrive: the outside is the strip of 0.5 m behind the line at x = 10 m."""
+@pytest.mark.parametrize("low", [-0.03, -0.23])
+def test_who_finds_no_room_beyond_a_link_waits_before_it(lemons, tmp_path, low):
+    """Somebody stands where the first one would arrive, or between there and the line: the outside is the strip of 0.5 m behind
+    the line at x = 10 m."""
     (tmp_path / "floors.xml").write_text(FLOORS)
-    scenario = """\
+    scenario = f"""\
 geometry = "floors.xml"
 regions = [
-  { corners = [[5.0, 0.7], [5.7, 0.7], [5.7, 1.3], [5.0, 1.3]], number = 1 },
-  { corners = [[20.66, -0.03], [21.0, -0.03], [21.0, 0.57], [20.66, 0.57]], number = 1 },
+  {{ corners = [[5.0, 0.7], [5.7, 0.7], [5.7, 1.3], [5.0, 1.3]], number = 1 }},
+  {{ corners = [[20.66, {low}], [21.0, {low}], [21.0, {low + 0.6}], [20.66, {low + 0.6}]], number = 1 }},
 ]
 leave = true
 orientation = "fixed"
@@ -323,11 +325,11 @@ direction = 0.0
 time_step = 0.02
 [decision]
 model = "straight"
-exits = [{ name = "out", line = [[20, 6], [22, 6]] }]
+exits = [{{ name = "out", line = [[20, 6], [22, 6]] }}]
 [decision.agents.1]
 desired_speed = 0.0
 """
     rows = run(lemons, tmp_path, scenario, "--until", 12)
     waits = [row for row in rows if row["id"] == 0 and row["t"] > 8]
-    assert all(10.0 < row["x"] < 10.6 for row in waits)
+    assert waits and all(10.0 < row["x"] < 10.6 for row in waits)
     assert max(row["agent_contacts"] for row in rows if row["id"] == 1) == 0

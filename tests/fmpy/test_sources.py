@@ -138,6 +138,18 @@ def test_a_trial_that_goes_on_has_those_who_come_later(lemons, tmp_path):
     assert f"(of {people} people" in told and re.search(rf"left +{people} ", told)
 
 
+def test_who_comes_later_has_not_left_also_where_the_trial_does_not_say_so(lemons, tmp_path):
+    call(lemons, tmp_path, "crowd", "--scenario", SCENARIO, "-o", "T")
+    dynamics = tmp_path / "T/dynamic/AgentDynamics.xml"
+    assert ' Active="false"' in dynamics.read_text()
+    dynamics.write_text(dynamics.read_text().replace(' Active="false"', ""))
+    call(lemons, tmp_path, "run", "T", "--until", "5", "-o", "run.csv")
+    active = table_of(tmp_path / "run.csv")["active"].to_numpy() == 1
+    left = (active.any(axis=0) & ~active[-1]).sum()
+    for measured in (["T", "--until", "5"], ["run.csv", "--trial", "T"]):
+        assert re.search(rf"left +{left} of 23 people", call(lemons, tmp_path, "measure", *measured))
+
+
 def test_who_finds_no_room_waits_outside_and_it_is_said(lemons, tmp_path):
     """Forty people are due in two seconds where three fit at once, in front of a door that shuts after 25."""
     (tmp_path / "s.toml").write_text(
@@ -158,6 +170,14 @@ def test_who_finds_no_room_waits_outside_and_it_is_said(lemons, tmp_path):
     # Never more than 25 have left; the others are there, before the exit.
     left = np.maximum.accumulate(active, axis=0).sum(axis=1) - active.sum(axis=1)
     assert left.max() == 25 and (np.diff(left) >= 0).all() and active[-1].sum() == 15
+    # In a Trial that goes on, those who have left count.
+    part = (left >= 10).argmax()
+    then = left[part]
+    call(lemons, tmp_path, "run", "T", "--until", seen.index[part], "-o", "part.csv")
+    call(lemons, tmp_path, "export", "part.csv", "later", "--to", "trial", "--trial", "T")
+    assert tomllib.loads((tmp_path / "later/decision.toml").read_text())["exits"][0]["most"] == 25 - then
+    told = call(lemons, tmp_path, "run", "later", "--until", "60", "-o", "later.csv")
+    assert re.search(rf"left +{25 - then} +\(of {40 - then} people", told)
 
 
 def test_a_train_lets_out_and_in(lemons, tmp_path):
@@ -197,16 +217,18 @@ def test_what_cannot_be_is_told(lemons, tmp_path, source, said):
 
 
 def test_a_state_between_coming_and_the_step_keeps_the_walk(lemons, tmp_path, pack, instantiate):
-    """The outside: the same step without the state between. The last one comes at a walk."""
+    """The outside: the same step without the state between. The last one comes at a walk, after a step outside."""
     call(lemons, tmp_path, "crowd", "--scenario", SCENARIO, "-o", "T")
     ended = []
     for saves in (False, True):
         fmu = instantiate(pack(tmp_path / "T")).initialize()
         last = len(bodies(tmp_path / "T")) - 1
+        fmu.step(STEP)
         fmu[f"agent[{last}].Active"] = True
         if saves:
             data = fmu.fmu.serializeFMUstate(fmu.fmu.getFMUstate())
             fmu = instantiate(pack(tmp_path / "T"))
+            fmu.time = STEP
             fmu.fmu.setFMUstate(fmu.fmu.deSerializeFMUstate(data))
         fmu.step(STEP)
         ended.append((fmu[f"agent[{last}].Velocity.x"], fmu[f"agent[{last}].Velocity.y"]))

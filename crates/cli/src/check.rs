@@ -71,7 +71,7 @@ fn report(given: &TrialInput) -> (Problems, Option<String>) {
         problems.push(Problem::by(Rule::Invalid, &files.decision, full_message(&error.into())));
         None
     });
-    let documents = Documents { trial, drive, plan };
+    let documents = Documents::new(trial, drive, plan);
     let Parameters { time_step, time_step_mechanical, .. } = documents.trial.parameters;
     problems.extend(lint::of_documents(&documents, &files));
     problems.extend(lint::of_step(&documents, time_step, &files));

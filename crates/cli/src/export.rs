@@ -290,7 +290,7 @@ impl Arguments {
         }
         let mut before = before.clone();
         plan.iter().for_each(|plan| plan.mark_absent(&mut before));
-        let trial = trial_at_end(run, &before)?;
+        let (trial, left) = trial_at_end(run, &before)?;
         if trial.agents.is_empty() {
             bail!("{source}: nobody is there at its end, t = {end:.3} s: no Trial can go on from it");
         }
@@ -298,7 +298,7 @@ impl Arguments {
             config.without_others(&trial.agents).map_or(Ok(text), |fewer| fewer.to_toml())
         };
         let later = |(config, text): (DecisionConfig, String)| {
-            let later = plan.as_ref().map(|plan| plan.going_on(&config, end, &trial));
+            let later = plan.as_ref().map(|plan| plan.going_on(&config, end, &trial, &left));
             // Else the text of the file is kept.
             let changed = later.filter(|later| *later != config);
             changed.map_or(Ok((config, text)), |later| later.to_toml().map(|text| (later, text)))

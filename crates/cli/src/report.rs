@@ -23,7 +23,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Instant, SystemTime};
+use std::time::Instant;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -192,7 +192,6 @@ pub fn report(arguments: &Arguments) -> Result<()> {
     told.warnings.extend(notes);
     told.title = name;
     told.digest = identity::digest(&identity::of_documents(&first, Algorithm::default(), step)?)?;
-    told.changed = changed(path).unwrap_or_default();
     drop(first);
 
     let mut file = Output::open(output)?;
@@ -261,18 +260,4 @@ fn flat(text: &str) -> Vec<(String, String)> {
     let table = toml::from_str(text).map(toml::Value::Table);
     table.iter().for_each(|table| add("", table, &mut rows));
     rows
-}
-
-/// Returns the day, in UTC, on which a file was written.
-fn changed(path: &Path) -> Option<String> {
-    let since = path.metadata().ok()?.modified().ok()?.duration_since(SystemTime::UNIX_EPOCH).ok()?;
-    let days = (since.as_secs() / 86_400) as i64 + 719_468;
-    // Eras of 400 years that begin in March (H. Hinnant, days_from_civil).
-    let (era, of_era) = (days / 146_097, days % 146_097);
-    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year + year / 4 - year / 100);
-    let month = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * month + 2) / 5 + 1;
-    let (month, next) = if month < 10 { (month + 3, 0) } else { (month - 9, 1) };
-    Some(format!("{:04}-{month:02}-{day:02}", 400 * era + year + next))
 }

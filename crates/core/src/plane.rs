@@ -18,7 +18,7 @@ mod wkt;
 
 pub use bounds::Bounds;
 pub use ground::{ground, parts};
-pub use hull::{body_meets, convex_hull, hull_meets};
+pub use hull::{body_meets, convex_hull, has_room, hull_meets};
 pub use polygon::Polygon;
 pub use pose::{Motion, Pose, Twist, shown_orientation};
 pub use ring::{Foot, Ring, is_closed, nearest_on_line};

@@ -1,7 +1,8 @@
 //! Walls that open and close, as people see them: where one is closed, they stop in front of it.
 
+use crate::source::{placed, reach};
 use crate::target::share_before_closed;
-use lemons_core::plane::{Pose, Vec2, body_meets, nearest_on_segment, rotation, vec2};
+use lemons_core::plane::{Pose, Vec2, body_meets, nearest_on_segment};
 use lemons_core::trial::Wall;
 
 /// \[m\] Who is so far in a door that closes walks on at the desired speed.
@@ -24,18 +25,16 @@ pub(crate) fn distance(door: &Wall, at: Vec2, direction: Vec2) -> f64 {
 /// along x, walks towards the door, which is closed. The wall waits for who is in it, also between the disks: that one
 /// walks on.
 pub(crate) fn share(door: &Wall, pose: Pose, disks: &[[f64; 3]]) -> f64 {
-    let (at, turned) = (pose.position, rotation(pose.orientation));
+    let at = pose.position;
     let far = |place: Vec2| {
         let all = door.sides().map(|[a, b]| (nearest_on_segment(a, b, place) - place).norm());
         all.fold(f64::INFINITY, f64::min)
     };
     let before = share_before_closed(far(at));
-    let reach = disks.iter().map(|&[x, y, radius]| vec2(x, y).norm() + radius).fold(0.0, f64::max);
-    if far(at) > reach {
+    if far(at) > reach(disks) {
         return before;
     }
-    let disks = disks.iter().map(|&[x, y, radius]| (at + turned * vec2(x, y), radius));
-    let disks: Vec<(Vec2, f64)> = disks.collect();
+    let disks: Vec<(Vec2, f64)> = placed(disks, pose).collect();
     if !door.sides().any(|[a, b]| body_meets(&disks, a, b)) {
         return before;
     }

@@ -13,7 +13,7 @@ use crate::queue::QueueConfig;
 use crate::rule::{Motivation, UNLIMITED, Walker, Waypoint, usual_stature};
 use crate::source::{Source, reach, sources};
 use crate::stuck::normal;
-use crate::target::{Destination, Target, Ways};
+use crate::target::{Destination, Target, Ways, nearest_exit};
 use crate::walking_model::WalkingModel;
 use destinations::{destinations, targets_of, ways};
 use lemons_core::files::input;
@@ -248,9 +248,21 @@ impl Plan {
 
     /// Returns settings for who goes on from a time \[s\] of a run, with a clock that begins anew: exits open and close as
     /// much earlier, people start so, too, and motivation changes so. Groups are those of the plan, and motivation that has
-    /// changed stays so. Of a source, those come who are not there in the Trial of then.
-    pub fn going_on(&self, config: &DecisionConfig, time: f64, trial: &Trial) -> DecisionConfig {
+    /// changed stays so. Of a source, those come who are not there in the Trial of then. By an exit that is always open, as many
+    /// fewer leave as have `left` there, by their last places \[m\].
+    pub fn going_on(
+        &self,
+        config: &DecisionConfig,
+        time: f64,
+        trial: &Trial,
+        left: &[Vec2],
+    ) -> DecisionConfig {
         let mut later = config.clone();
+        let by = |k| left.iter().filter(|at| nearest_exit(&self.targets, **at) == Some(k)).count() as u32;
+        let exits = later.exits.iter_mut().flatten().enumerate();
+        for (k, exit) in exits.filter(|(_, exit)| exit.open.is_none()) {
+            exit.most = exit.most.map(|most| most.saturating_sub(by(k)));
+        }
         let people = trial.agents.iter().zip(&trial.dynamics);
         let outside: HashSet<&str> =
             people.filter(|(_, own)| own.absent).map(|(person, _)| &*person.id).collect();

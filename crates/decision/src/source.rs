@@ -2,13 +2,13 @@
 
 use crate::error::{PlanError, moderate, number};
 use crate::stuck::share;
-use lemons_core::plane::{Pose, Vec2, nearest_on_segment, rotation, vec2};
+use lemons_core::plane::{Pose, Vec2, rotation, vec2};
 use lemons_core::trial::Trial;
 use serde::{Deserialize, Serialize};
 use std::collections::{HashMap, HashSet};
 
 /// \[m/s\] By so much others may become faster, or turn, within the step before somebody comes.
-const SPARE_SPEED: f64 = 1.0;
+pub(crate) const SPARE_SPEED: f64 = 1.0;
 /// People of a source who are asked in a step whether there is room for them.
 pub(crate) const ASKED: usize = 20;
 
@@ -132,36 +132,13 @@ pub(crate) fn sources(trial: &Trial, all: &[SourceConfig], seed: u64) -> Result<
     Ok(made)
 }
 
-/// Somebody who is there: outline as disks x, y, radius \[m\] that face along x, pose, and velocity \[m/s\].
-pub(crate) type Body<'a> = (&'a [[f64; 3]], Pose, Vec2);
-
-/// \[m\] How far a body reaches from its centre of mass.
+/// \[m\] Returns how far a body of disks x, y, radius that face along x reaches from its centre of mass.
 pub(crate) fn reach(disks: &[[f64; 3]]) -> f64 {
     disks.iter().map(|&[x, y, radius]| vec2(x, y).norm() + radius).fold(0.0, f64::max)
 }
 
-fn placed<'a>((disks, pose, _): &Body<'a>) -> impl Iterator<Item = (Vec2, f64)> + Clone + use<'a> {
-    let (turn, at) = (rotation(pose.orientation), pose.position);
-    disks.iter().map(move |&[x, y, radius]| (at + turn * vec2(x, y), radius))
-}
-
-/// Returns whether a body touches no wall, and touches nobody for one more step \[s\], in which all move on.
-pub(crate) fn is_free<'a>(
-    body: &Body<'a>,
-    mut walls: impl Iterator<Item = [Vec2; 2]>,
-    mut others: impl Iterator<Item = Body<'a>>,
-    step: f64,
-) -> bool {
-    let own: Vec<(Vec2, f64)> = placed(body).collect();
-    let clear =
-        |(at, radius): &(Vec2, f64), [a, b]: [Vec2; 2]| (nearest_on_segment(a, b, *at) - at).norm() > *radius;
-    let is_clear = |other: Body<'a>| {
-        let spare = (other.2.norm() + SPARE_SPEED) * step;
-        let apart = (other.1.position - body.1.position).norm();
-        apart > reach(body.0) + reach(other.0) + spare
-            || placed(&other).all(|(there, theirs)| {
-                own.iter().all(|(at, radius)| (there - at).norm() > radius + theirs + spare)
-            })
-    };
-    walls.all(|wall| own.iter().all(|disk| clear(disk, wall))) && others.all(is_clear)
+/// Returns such disks in a pose, by centres and radii \[m\].
+pub(crate) fn placed(disks: &[[f64; 3]], pose: Pose) -> impl Iterator<Item = (Vec2, f64)> {
+    let at = move |place: Vec2| pose.position + rotation(pose.orientation) * place;
+    disks.iter().map(move |&[x, y, radius]| (at(vec2(x, y)), radius))
 }

@@ -57,7 +57,7 @@ impl LoadedTrial {
     /// Returns what is simulated.
     pub fn documents(&self) -> Documents {
         let LoadedTrial { trial, table, plan, .. } = self.clone();
-        Documents { trial, drive: table, plan }
+        Documents::new(trial, table, plan)
     }
 
     /// Takes settings of Decision.

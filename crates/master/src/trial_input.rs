@@ -124,9 +124,8 @@ impl TrialInput {
         };
         let read = decision.as_ref();
         let read = read.map(|(path, known)| plan_of(&trial, path).place(|| known.display().to_string()));
-        let documents = Documents { plan: read.transpose()?, trial, drive };
-        let decision = decision.map(|(_, known)| known);
-        Ok((documents, problems, decision))
+        let plan = read.transpose()?;
+        Ok((Documents::new(trial, drive, plan), problems, decision.map(|(_, known)| known)))
     }
 
     /// Returns a text in which the user's name for it replaces that of the place where it was unpacked.

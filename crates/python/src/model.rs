@@ -85,7 +85,7 @@ impl PyModel {
         let drive = DriveTable::from_csv(drive.as_bytes()).map_err(|error| wrong(&error))?;
         let plan = toml.map(|text| Plan::of(&trial, &DecisionConfig::from_toml(&text)?)).transpose();
         let plan = plan.map_err(|error| wrong(&error))?;
-        Ok(PyModel { documents: Documents { trial, drive, plan }, decision, warnings })
+        Ok(PyModel { documents: Documents::new(trial, drive, plan), decision, warnings })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Parts)> {

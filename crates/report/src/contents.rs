@@ -34,8 +34,6 @@ pub struct Told {
     pub title: String,
     /// Where it is from, such as a path.
     pub source: String,
-    /// Date of its file; empty: not known.
-    pub changed: String,
     /// By which the same documents are known again; empty: not known.
     pub digest: String,
     /// The program with its version.
@@ -227,8 +225,18 @@ impl Many<'_> {
         if all.is_empty() && self.runs[0].all_left() {
             all.push(message!(ALL_OUT, runs = self.count(self.runs.len())));
         }
-        all.extend((self.runs.len() == 1).then(|| plain(ONE_RUN)));
+        all.extend(Some(self.sample()).filter(|sample| *sample != NOT_SAMPLE).map(plain));
         all
+    }
+
+    /// Says of what the numbers are a sample.
+    fn sample(&self) -> Sentence {
+        let RunSeen { density, exposure, .. } = &self.runs[0];
+        match self.runs {
+            [_] => ONE_RUN,
+            runs if runs.iter().all(|run| run.density == *density && run.exposure == *exposure) => SAME_RUNS,
+            _ => NOT_SAMPLE,
+        }
     }
 
     fn results(&self) -> Vec<Block> {
@@ -461,15 +469,13 @@ impl Many<'_> {
 
     fn limits(&self) -> Block {
         let injury = message!(NOT_INJURY, limit = self.runs[0].settings.limit.0);
-        let first = if self.runs.len() == 1 { ONE_RUN } else { NOT_SAMPLE };
-        Block::List {
-            items: [first, NOT_SURVEY, NOT_PLANE, NOT_PROOF].map(plain).into_iter().chain([injury]).collect(),
-        }
+        let all = [self.sample(), NOT_SURVEY, NOT_PLANE, NOT_PROOF].map(plain);
+        Block::List { items: all.into_iter().chain([injury]).collect() }
     }
 
     fn versions(&self) -> Block {
-        let Told { source, changed, digest, program, .. } = self.told;
-        let rows = [(PROGRAM, program), (DATA, source), (CHANGED, changed), (DIGEST, digest)];
+        let Told { source, digest, program, .. } = self.told;
+        let rows = [(PROGRAM, program), (DATA, source), (DIGEST, digest)];
         facts(MADE, rows.map(|(name, value)| (plain(name), value.as_str().into())).to_vec())
     }
 }

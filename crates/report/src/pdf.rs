@@ -22,7 +22,8 @@ const TALLEST: f32 = 285.0;
 /// \[pt\] Between a picture and its caption.
 const BELOW: f32 = 6.0;
 
-/// Returns the report as PDF of A4 pages. Rows, and pictures with their captions, are not divided.
+/// Returns the report as PDF of A4 pages. Not divided are pictures with their captions, and rows that are not
+/// taller than a page.
 ///
 /// # Errors
 /// A picture cannot be drawn.
@@ -141,14 +142,20 @@ impl Layout {
         self.text(caption, [MARGIN, WIDTH], SMALL, Face::Soft);
         let widths = widths(head, rows, numbers);
         let mut heads = (!head.is_empty()).then_some(head);
-        for row in rows {
-            let cells = |row: &[Message], bold: bool| -> Vec<Vec<String>> {
-                row.iter().zip(&widths).map(|(cell, width)| wrapped(cell, *width, SMALL, bold)).collect()
-            };
-            let height = |cells: &[Vec<String>]| {
-                cells.iter().map(Vec::len).max().unwrap_or(1) as f32 * SMALL * LEAD + 2.0 * PAD
-            };
-            let own = cells(row, false);
+        let cells = |row: &[Message], bold: bool| -> Vec<Vec<String>> {
+            row.iter().zip(&widths).map(|(cell, width)| wrapped(cell, *width, SMALL, bold)).collect()
+        };
+        let lines = |cells: &[Vec<String>]| cells.iter().map(Vec::len).max().unwrap_or(1);
+        let height = |cells: &[Vec<String>]| lines(cells) as f32 * SMALL * LEAD + 2.0 * PAD;
+        let page = A4[1] - TOP - BOTTOM - heads.map_or(0.0, |head| height(&cells(head, true)));
+        // A row that is taller than a page goes on on the next one.
+        let most = ((page - 2.0 * PAD) / (SMALL * LEAD)).max(1.0) as usize;
+        let parts = rows.iter().map(|row| cells(row, false)).flat_map(|whole| {
+            let part = |cell: &Vec<String>, k| cell.chunks(most).nth(k).unwrap_or_default().to_vec();
+            let all = 0..lines(&whole).div_ceil(most);
+            all.map(|k| whole.iter().map(|cell| part(cell, k)).collect()).collect::<Vec<Vec<_>>>()
+        });
+        for own in parts {
             let above = heads.map(|head| cells(head, true));
             let needed = height(&own) + above.as_ref().map_or(0.0, |cells| height(cells));
             if self.room(needed) {
@@ -240,4 +247,33 @@ fn wrapped(text: &str, width: f32, size: f32, bold: bool) -> Vec<String> {
     }
     lines.push(line);
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The outside: the words in their order, and the margins of A4.
+    #[test]
+    fn a_row_that_is_taller_than_a_page_goes_on_on_the_next_one() {
+        let words: Vec<String> = (0..6000).map(|k| format!("w{k}")).collect();
+        for head in [vec![], vec!["name".into(), "value".into()]] {
+            let mut out = Layout { pages: vec![PdfPage::default()], y: TOP };
+            let row = |text: &str| vec!["a".into(), text.into()];
+            out.table(
+                &"caption".into(),
+                &head,
+                &[row("before"), row(&words.join(" ")), row("after")],
+                &[false; 2],
+            );
+            let texts = || out.pages.iter().flat_map(|page| &page.texts);
+            assert!(out.pages.len() > 2 && texts().all(|text| text.at[1] <= A4[1] - BOTTOM));
+            let shown = texts()
+                .flat_map(|text| text.text.split(' '))
+                .filter(|word| words.iter().any(|own| own == word));
+            assert!(shown.eq(&words));
+            let heads = texts().filter(|text| text.text == "name").count();
+            assert_eq!(heads, if head.is_empty() { 0 } else { out.pages.len() });
+        }
+    }
 }

@@ -132,9 +132,6 @@ impl RunSeen {
         watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Option<RunSeen>, ReportError> {
         documents.trial.geometry.divide(PanelChoice::Missing).map_err(ReportError::Panels)?;
-        if let Some(plan) = &documents.plan {
-            plan.mark_absent(&mut documents.trial);
-        }
         let (trial, plan) = (documents.trial.clone(), documents.plan.clone());
         let who = documents.leaving();
         let leaves = who.contains(&true);

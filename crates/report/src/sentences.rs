@@ -19,6 +19,7 @@ lemons_core::sentences! {
     FAILED "report.failed" "Seed {seed} has no result and is not counted: {why}";
     ALL_OUT "report.all-out" "Everybody left who was to leave ({runs}).";
     ONE_RUN "report.one-run" "One run: it is one sample. Other seeds place other people; how much the numbers differ is not known.";
+    SAME_RUNS "report.same-runs" "All runs are the same: nothing in them depends on the seed. They are one sample, and intervals of no width say nothing.";
 
     QUANTITY "report.quantity" "quantity";
     UNIT "report.unit" "unit";
@@ -154,7 +155,6 @@ lemons_core::sentences! {
 
     PROGRAM "report.program" "Program";
     DATA "report.data" "Scenario";
-    CHANGED "report.changed" "Date of the file";
     DIGEST "report.digest" "Digest of Trial, plan and drive";
     MADE "report.made" "What the report was made with.";
 }

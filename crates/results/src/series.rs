@@ -7,6 +7,7 @@ use crate::recorder::KeptFrames;
 use crate::run::{Effects, Frame};
 use crate::text::{files_of, own};
 use lemons_core::files::{Change, change_all};
+use lemons_core::plane::Vec2;
 use lemons_core::trial::{
     AgentDynamics, DynamicsElement, Interactions, Trial, dynamics_xml, interactions_xml, output_names,
 };
@@ -155,12 +156,12 @@ pub fn series(record: &Record, trial: &Trial, directory: &Path) -> Result<(), Re
 }
 
 /// The Trial that continues from the end of a run: with the poses, velocities and springs of the last frame, without
-/// those who have left; who has not come yet is not there either. Its clock begins anew: walls open and close as much earlier. Runs do not record Fp and Mp; they stay
-/// those of the Trial.
+/// those who have left, whose last places \[m\] are told; who has not come yet is not there either. Its clock begins anew:
+/// walls open and close as much earlier. Runs do not record Fp and Mp; they stay those of the Trial.
 ///
 /// # Errors
 /// The agents are not those of the Trial.
-pub fn trial_at_end(record: &Record, trial: &Trial) -> Result<Trial, RecordError> {
+pub fn trial_at_end(record: &Record, trial: &Trial) -> Result<(Trial, Vec<Vec2>), RecordError> {
     let record = record.clone().of_trial(trial)?;
     let last = record.read_wanted(KeptFrames::Around(Vec::new()))?.frames.pop().unwrap_or_default();
     let mut trial = trial.clone();
@@ -177,11 +178,13 @@ pub fn trial_at_end(record: &Record, trial: &Trial) -> Result<Trial, RecordError
     trial.dynamics = last.agents.iter().zip(&trial.dynamics).enumerate().map(moved).collect();
     // A run in which people leave is a table, which has no springs: nothing names those who are taken out.
     let (mut agent, mut motion) = (0.., 0..);
-    let stays = |place| last.is_there(place) || last.is_outside(place);
+    let stays = |place: usize| last.is_there(place) || last.is_outside(place);
+    let left = last.agents.iter().enumerate().filter(|(place, _)| !stays(*place));
+    let left = left.map(|(_, motion)| motion.pose.position).collect();
     trial.agents.retain(|_| agent.next().is_some_and(stays));
     trial.dynamics.retain(|_| motion.next().is_some_and(stays));
     trial.interactions = last.interactions.clone().unwrap_or_default();
-    Ok(trial)
+    Ok((trial, left))
 }
 
 /// Returns the same orientation \[rad\], more than -π and at most π: in a run bodies turn on and on.

@@ -29,6 +29,12 @@ pub struct Documents {
 }
 
 impl Documents {
+    /// Makes them. Who comes later is not there at the start, also where the Trial does not say so.
+    pub fn new(mut trial: Trial, drive: DriveTable, plan: Option<Plan>) -> Documents {
+        plan.iter().for_each(|plan| plan.mark_absent(&mut trial));
+        Documents { trial, drive, plan }
+    }
+
     /// Returns of everybody whether they have an exit.
     pub fn leaving(&self) -> Vec<bool> {
         self.plan.as_ref().map(Plan::leaving).unwrap_or_default()
@@ -121,8 +127,7 @@ impl Simulation {
     /// # Errors
     /// None of documents that were read and checked.
     pub fn new(documents: Documents, algorithm: Algorithm) -> Result<Simulation, SimError> {
-        let Documents { mut trial, drive, plan } = documents;
-        plan.iter().for_each(|plan| plan.mark_absent(&mut trial));
+        let Documents { trial, drive, plan } = documents;
         let ids = trial.agents.iter().map(|agent| agent.id.clone()).collect();
         let (played, added) = match &plan {
             None => (drive, DriveTable::default()),

@@ -134,6 +134,7 @@ impl RunSource {
         let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };
         let mut trial = trial_of(&self.path, given, self.memory.as_deref())?;
         if let Some(trial) = &mut trial {
+            self.plan(trial).iter().for_each(|plan| plan.mark_absent(trial));
             let documents = Documents { trial: trial.clone(), drive: DriveTable::default(), plan: None };
             let mut edited = Simulation::new(documents, Algorithm::default())?;
             for (name, value) in &self.settings {

@@ -44,6 +44,23 @@ pub fn body_meets(disks: &[(Vec2, f64)], a: Vec2, b: Vec2) -> bool {
     disks.iter().any(touches) || hull_meets(disks, a, b)
 }
 
+/// Returns whether a body of disks, given by centres and radii \[m\], has room at a place \[m\]: it touches none of the walls,
+/// given by their ends, and nobody. Of the others are given the place, how far they reach from it, and their disks; both
+/// with the distance that is to be kept from them.
+pub fn has_room<D: Iterator<Item = (Vec2, f64)>>(
+    at: Vec2,
+    disks: &[(Vec2, f64)],
+    mut walls: impl Iterator<Item = [Vec2; 2]>,
+    mut others: impl Iterator<Item = (Vec2, f64, D)>,
+) -> bool {
+    let reach = disks.iter().map(|(own, radius)| (own - at).norm() + radius).fold(0.0, f64::max);
+    let clear = |(there, theirs): (Vec2, f64)| {
+        disks.iter().all(|(own, radius)| (there - own).norm() >= radius + theirs)
+    };
+    walls.all(|[a, b]| (nearest_on_segment(a, b, at) - at).norm() > reach || !body_meets(disks, a, b))
+        && others.all(|(there, theirs, mut all)| (there - at).norm() >= reach + theirs || all.all(clear))
+}
+
 /// Returns whether a segment from `a` to `b` \[m\] reaches into the convex hull of disks, given by centres and radii \[m\],
 /// also where it passes between them.
 pub fn hull_meets(disks: &[(Vec2, f64)], a: Vec2, b: Vec2) -> bool {
@@ -103,6 +120,14 @@ mod tests {
         let point = |x: f64| body_meets(&disks, vec2(x, 0.05), vec2(x, 0.05));
         assert!(point(0.0) && point(1.0) && !point(0.5) && !point(1.2));
         assert!(body_meets(&disks, vec2(0.5, -3.0), vec2(0.5, 3.0)));
+        // It has no room at a wall's end between its disks, and at another one that is too near.
+        let room = |walls: &[[Vec2; 2]], other: f64| {
+            let other = (vec2(other, 0.0), 0.3, [(vec2(other, 0.0), 0.3)].into_iter());
+            has_room(vec2(0.5, 0.0), &disks, walls.iter().copied(), std::iter::once(other))
+        };
+        assert!(room(&[], 1.401) && !room(&[], 1.399));
+        let wall = |end: f64| [[vec2(0.5, 3.0), vec2(0.5, end)]];
+        assert!(room(&wall(0.101), 2.0) && !room(&wall(0.099), 2.0));
     }
 
     proptest! {

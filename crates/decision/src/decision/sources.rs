@@ -2,8 +2,8 @@
 
 use super::Decision;
 use crate::plan::Plan;
-use crate::source::{ASKED, Body, is_free};
-use lemons_core::plane::{Pose, Vec2};
+use crate::source::{ASKED, SPARE_SPEED, placed, reach};
+use lemons_core::plane::{self, Vec2};
 use lemons_fmi::Answer;
 
 impl Decision {
@@ -28,17 +28,20 @@ impl Decision {
         !new.is_empty()
     }
 
-    /// Returns whether somebody touches no wall and nobody at its place after a step \[s\]; others come, too.
+    /// Returns whether somebody touches no wall at its place, and nobody for one more step \[s\], in which all move on; others
+    /// come, too.
     fn has_room(&self, i: usize, new: &[(usize, Vec2)], step: f64) -> bool {
-        let body = |i: usize, pose: Pose| -> Body<'_> {
-            (&self.plan.agents[i].disks, pose, self.agents[i].velocity)
-        };
+        let body = |i: usize| (&self.plan.agents[i].disks[..], self.agents[i].pose);
         let there = (0..self.agents.len()).filter(|j| self.agents[*j].came && !self.agents[*j].left);
-        let there = there.chain(new.iter().map(|(j, _)| *j));
+        let others = there.chain(new.iter().map(|(j, _)| *j)).map(|j| {
+            let ((disks, pose), spare) = (body(j), (self.agents[j].velocity.norm() + SPARE_SPEED) * step);
+            let kept = placed(disks, pose).map(move |(at, radius)| (at, radius + spare));
+            (pose.position, reach(disks) + spare, kept)
+        });
         let closed = self.plan.doors.iter().filter(|door| !door.is_open(self.time + step));
         let walls = self.faces.iter().copied().chain(closed.flat_map(|door| door.sides()));
-        let others = there.map(|j| body(j, self.agents[j].pose));
-        is_free(&body(i, self.agents[i].pose), walls, others, step)
+        let (disks, pose) = body(i);
+        plane::has_room(pose.position, &placed(disks, pose).collect::<Vec<_>>(), walls, others)
     }
 
     /// Returns with which velocity \[m/s\] and orientation \[rad\] everybody of a plan would walk alone at its place at 0 s;

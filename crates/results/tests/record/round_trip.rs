@@ -77,7 +77,7 @@ fn the_end_of_a_series_is_where_the_run_was() {
             assert!((seen(Effect::NormalForce) - wanted.squeeze).abs() <= 1e-12 * wanted.squeeze);
         }
         let until = Run { frames, ..series.clone() };
-        trial_at_end(&until.into(), &trial).unwrap().write(&at.join("end")).unwrap();
+        trial_at_end(&until.into(), &trial).unwrap().0.write(&at.join("end")).unwrap();
         let (end, _) = setup::read(&at.join("end")).unwrap();
         let mut again = Setup::of(&end).world().unwrap();
         assert_eq!(again.drive, world.drive);
@@ -94,7 +94,7 @@ fn the_end_of_a_series_is_where_the_run_was() {
     for (turned, theta) in [(15.0, 15.0 - 4.0 * PI), (-4.0, 2.0 * PI - 4.0), (-PI, PI), (3.0, 3.0)] {
         let mut until = series.clone();
         until.frames[29].agents[0].pose.orientation = turned;
-        let end = trial_at_end(&until.clone().into(), &trial).unwrap();
+        let (end, _) = trial_at_end(&until.clone().into(), &trial).unwrap();
         assert!((end.dynamics[0].theta - theta).abs() < 1e-14, "{turned}: {}", end.dynamics[0].theta);
     }
     assert!(rubbed_agents > 0 && rubbed_walls > 0, "{rubbed_agents} and {rubbed_walls} springs");
