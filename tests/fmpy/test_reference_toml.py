@@ -192,6 +192,7 @@ class SweepReader(Reader):
         "In an area": {"area": "front", "number": "density", "take": "max"},
         "Squeeze": {"squeeze": "peak", "across": "max"},
         "Balance": {"balance": "falls", "across": "max"},
+        "Breathing": {"breathing": "dose", "across": "max"},
         "Load": {"load": "load_step"},
     }
     NEEDED = {

@@ -45,6 +45,9 @@ class Measures:
     walls: pd.DataFrame
     #: The same for each panel, after panel, wall, x1, y1, x2, y2 [m].
     panels: pd.DataFrame
+    #: With `breathing=True`, for each person: id, front, side, least [N], dose, critical_at [s], critical_x, critical_y [m], critical_part,
+    #: above_623, above_1112, above_6227 [s].
+    breathing: pd.DataFrame
 
     def passages(self, line: str, direction: Literal["right", "left"]) -> npt.NDArray[np.float64]:
         """Returns when people crossed a line for the first time in a direction [s], ascending: N(t) is their number up to t.

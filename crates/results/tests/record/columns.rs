@@ -39,7 +39,7 @@ fn columns_are_outputs_of_the_fmu_in_its_units() {
 fn the_committed_table_is_that_of_the_library() {
     let mut text = "name,unit,variable,description\n".to_owned();
     for Column { name, unit, variable, description, .. } in
-        ALL.with(Group::Active, false).with(Group::Legs, false).columns()
+        ALL.with(Group::Active, false).with(Group::Legs, false).with(Group::Chest, false).columns()
     {
         let cells = [name, unit.unwrap_or_default(), variable, description];
         assert!(cells.iter().all(|cell| !cell.contains(['"', '\n'])), "{cells:?}");
