@@ -88,9 +88,20 @@ door = [6, 4, 6, 2]
 flow = {{ line = "door", direction = "left", number = "flow" }}
 squeeze_90 = {{ squeeze = "largest_mean", over = 1, across = "quantile_90" }}
 """
+#: Wall 1 is the end of the lane.
+LANE = """\
+<?xml version="1.0" encoding="utf-8"?>
+<Geometry>
+    <Wall Id="0" MaterialId="concrete">
+        <Corner Coordinates="8,0"/><Corner Coordinates="0,0"/><Corner Coordinates="0,0.8"/><Corner Coordinates="8,0.8"/>
+    </Wall>
+    <Wall Id="1" MaterialId="concrete"><Corner Coordinates="8,0.8"/><Corner Coordinates="8,0"/></Wall>
+</Geometry>
+"""
 #: A lane of 0.8 m; the push is on who stands in the last 2.5 m. Everybody leans first, so that people touch.
 ROW = """\
-box = [8, 0.8]
+geometry = "lane.xml"
+regions = [{{ corners = [[0, 0], [8, 0], [8, 0.8], [0, 0.8]] }}]
 number = 12
 mix = {mix}
 orientation = "fixed"
@@ -121,9 +132,8 @@ until = 9.5
 "population.seed" = {{ from = 1, to = {seeds} }}
 
 [measures]
-before = {{ load = "load_step", wall = "0", from = 7.0, until = 8.0 }}
-arrives = {{ load = "load_step", wall = "0", from = 8.0 }}
-felt = {{ squeeze = "largest_mean", over = 0.1, across = "median", from = 8.0 }}
+before = {{ load = "load_step", wall = "1", whole = true, from = 7.0, until = 8.0 }}
+arrives = {{ load = "load_step", wall = "1", whole = true, from = 8.0 }}
 """
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -142,7 +152,7 @@ def lemons(*words):
 
 
 def sweep(target, name, scenario, settings, arguments):
-    """Runs the scenario at all levels and seeds. Returns mean and half of the 95 % interval, and prints runs that failed."""
+    """Runs the scenario at all levels and seeds, and prints runs that failed. Returns the others."""
     (target / f"{name}.toml").write_text(scenario)
     (target / f"{name}_sweep.toml").write_text(settings.format(name=name, levels=arguments.levels, seeds=arguments.seeds))
     table = target / f"{name}.csv"
@@ -154,19 +164,26 @@ def sweep(target, name, scenario, settings, arguments):
     return runs[runs["status"] == "ok"]
 
 
-def interval(values):
-    """Returns mean ± half of its 95 % interval, by the quantile of Student's t."""
-    quantiles = {2: 12.71, 3: 4.30, 4: 3.18, 5: 2.78, 10: 2.26, 20: 2.09}
-    known = values.dropna()
-    if len(known) < 2:
-        return f"{known.mean():.3g}" if len(known) else "-"
-    half = quantiles.get(len(known), 2.0) * known.std(ddof=1) / len(known) ** 0.5
-    return f"{known.mean():.3g} ± {half:.2g}"
+#: Student's t for 95 %, by the number of seeds from 2 on.
+STUDENT = [12.71, 4.30, 3.18, 2.78, 2.57, 2.45, 2.36, 2.31, 2.26]
+
+
+def half(values):
+    """Returns half of the 95 % interval of a mean."""
+    return STUDENT[min(len(values), 10) - 2] * values.std(ddof=1) / len(values) ** 0.5 if len(values) > 1 else float("nan")
+
+
+def cell(own, plan):
+    """Returns the mean of the plan with its interval; in levels the mean, and the difference from the plan of the same seeds."""
+    if own.equals(plan):
+        return f"{plan.mean():.3g} ± {half(plan):.2g}"
+    difference = (own - plan).dropna()
+    return f"{own.mean():.3g} ({difference.mean():+.2g} ± {half(difference):.2g})"
 
 
 def cases(target, case, variants, settings, measures, arguments):
     """Prints a row for each mix and level."""
-    print(f"{case}, {arguments.seeds} seeds\n{'':<30}" + "".join(f"{measure:>20}" for measure in measures))
+    print(f"{case}, {arguments.seeds} seeds\n{'':<30}" + "".join(f"{measure:>28}" for measure in measures))
     for variant, make in variants.items():
         for mix, shares in MIXES.items():
             if case != "pressed" and "wheelchair" in mix:
@@ -174,10 +191,11 @@ def cases(target, case, variants, settings, measures, arguments):
                 continue
             name = f"{case}_{variant}{mix}".replace(" ", "").replace("%", "")
             runs = sweep(target, name, make(shares), settings, arguments)
-            for levels in arguments.levels:
-                own = runs[runs["population.levels"] == levels]
+            of = {levels: runs[runs["population.levels"] == levels].set_index("population.seed") for levels in arguments.levels}
+            plan = of[arguments.levels[0]]
+            for levels, own in of.items():
                 label = f"{variant}{mix}, {levels} level{'s' if levels > 1 else ' (plan)'}"
-                print(f"{label:<30}" + "".join(f"{interval(own[measure]):>20}" for measure in measures), flush=True)
+                print(f"{label:<30}" + "".join(f"{cell(own[measure], plan[measure]):>28}" for measure in measures), flush=True)
 
 
 def covered(target, arguments):
@@ -200,7 +218,8 @@ def doors(target, arguments):
 
 def row(target, arguments):
     """Prints what arrives of a push."""
-    cases(target, "row", {"": lambda mix: ROW.format(mix=mix)}, ROW_SWEEP, ["before", "arrives", "felt"], arguments)
+    (target / "lane.xml").write_text(LANE)
+    cases(target, "row", {"": lambda mix: ROW.format(mix=mix)}, ROW_SWEEP, ["before", "arrives"], arguments)
 
 
 CASES = {"covered": covered, "pressed": pressed, "doors": doors, "row": row}

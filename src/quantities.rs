@@ -8,7 +8,7 @@
 
 use crate::engine::{BodyId, ChestExposure, World};
 use lemons_core::plane::Vec2;
-use lemons_core::trial::{ContactCoefficients, Materials, Trial, Wall};
+use lemons_core::trial::{Agent, ContactCoefficients, Materials, Trial, Wall};
 use lemons_fmi::variables::types::*;
 use lemons_fmi::variables::{Dimension, Domain, Scalar, Size, Variable, row};
 pub use lemons_fmi::variables::{Role, VariableType};
@@ -238,7 +238,7 @@ pub fn sizes(trial: &Trial) -> Vec<u64> {
     // Without panels there are no arrays of them.
     let panels = trial.geometry.panel_count();
     let agents = trial.agents.len() as u64;
-    let chests = if trial.agents.iter().any(|agent| agent.chest_height.is_some()) { agents } else { 0 };
+    let chests = if trial.agents.iter().any(Agent::has_chest) { agents } else { 0 };
     vec![agents, trial.materials.intrinsic.len() as u64, segments as u64, panels as u64, chests]
 }
 

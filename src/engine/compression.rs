@@ -4,6 +4,8 @@
 //! contacts also exert torques). Over the extent of the body along an axis it is a force: that of two walls which press
 //! it between them. A force that nothing opposes counts half: such a body is accelerated, and its far side is free.
 
+use super::exposure::mean_of_both;
+use super::overlap::Overlap;
 use super::report::ContactReport;
 use super::{DiskId, InPlane, Pair, Rotation, Scene, State, Vec2, rotation};
 use serde::{Deserialize, Serialize};
@@ -47,7 +49,7 @@ impl ForceMoments {
         Compression {
             front: self.front / extent.x,
             side: self.side / extent.y,
-            shear: self.shear / (extent.x * extent.y).sqrt(),
+            shear: self.shear / (extent.x.sqrt() * extent.y.sqrt()),
         }
     }
 }
@@ -73,7 +75,7 @@ impl Compression {
 
     /// Returns it over a time of two parts.
     pub(super) fn and(&self, before: f64, after: &Compression, duration: f64) -> Compression {
-        let mean = |one: f64, other: f64| (one * before + other * duration) / (before + duration);
+        let mean = |one, other| mean_of_both([one, other], [before, duration]);
         Compression {
             front: mean(self.front, after.front),
             side: mean(self.side, after.side),
@@ -95,7 +97,7 @@ pub(super) fn compressions(scene: &Scene, state: &State, contacts: &ContactRepor
         let mut add = |disk: DiskId, normal: Vec2, force: Vec2| {
             let of = &scene.disks[disk.index()];
             let turn = rotation(state.poses[of.body.index()].orientation);
-            let arm = turn * of.offset + normal * (0.5 * contact.depth - of.radius);
+            let arm = turn * of.offset + Overlap { depth: contact.depth, normal }.contact_point(of.radius);
             moments[of.body.index()].add(&ForceMoments::of(turn, arm, force), 1.0);
         };
         match contact.pair {

@@ -356,9 +356,9 @@ impl Instant<'_> {
                 {
                     let [ended, began] = passed;
                     springs[from] = Spring::RELAXED;
-                    let left = self.share_of_face::<LEVELS>(&pairs[from]);
-                    self.watch_chests::<LEVELS>(who, &ended.0, Some(&ended.1), left, sums);
-                    sums.add_impulse(body, on_wall(pairs[from].face), &shared::<LEVELS>(ended, left));
+                    // Only walls of equal heights are joined.
+                    self.watch_chests::<LEVELS>(who, &ended.0, Some(&ended.1), share, sums);
+                    sums.add_impulse(body, on_wall(pairs[from].face), &shared::<LEVELS>(ended, share));
                     self.watch_chests::<LEVELS>(who, &began.0, Some(&began.1), share, sums);
                     self.watch_chests::<LEVELS>(who, &began.0, None, share, sums);
                     springs[k] = sums.begin::<LEVELS>(body, face, geometry.law, began, share, now);

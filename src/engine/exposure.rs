@@ -184,7 +184,7 @@ impl FaceSum {
 }
 
 /// Returns the mean force over two times \[s\] of which each has a mean force.
-fn mean_of_both([one, other]: [f64; 2], [before, after]: [f64; 2]) -> f64 {
+pub(super) fn mean_of_both([one, other]: [f64; 2], [before, after]: [f64; 2]) -> f64 {
     (one * before + other * after) / (before + after)
 }
 

@@ -5,6 +5,7 @@
 use super::compression::{Compression, ForceMoments};
 use super::contact_events::ImpulseCorrection;
 use super::contact_geometry::ContactForce;
+use super::exposure::mean_of_both;
 use super::report::ContactReport;
 use super::{Body, BodyId, ContactDisk, DiskId, Face, InPlane, Rotation, Scene, Vec2, vec2};
 use lemons_core::trial::Heights;
@@ -20,6 +21,8 @@ pub struct Levels {
     disks: Vec<Heights>,
     /// Of each wall.
     walls: Vec<Heights>,
+    /// \[m\] The greatest extent of a disk or a wall that ends.
+    highest: f64,
     /// Of each body its disks as neighbours of the same heights.
     slabs: Vec<Vec<(Heights, Range<usize>)>>,
     /// Of each disk, whether it is one of its body's chest; empty if no chest is watched.
@@ -49,7 +52,9 @@ impl Levels {
         if !of_chest.contains(&true) {
             of_chest.clear();
         }
-        Levels { load_length, disks: bodies.concat(), walls, slabs, of_chest }
+        let all = bodies.iter().flatten().chain(&walls).map(Heights::extent);
+        let highest = all.filter(|extent| extent.is_finite()).fold(0.0, f64::max);
+        Levels { load_length, disks: bodies.concat(), walls, highest, slabs, of_chest }
     }
 
     /// \[1\] Returns the share of the load length over which two disks touch; 0 if one is above the other.
@@ -71,13 +76,16 @@ impl Levels {
         if common == f64::INFINITY { 1.0 } else { common.max(0.0) / self.load_length }
     }
 
-    /// \[1\] Returns the greatest sum of the shares of a body that touches something of all heights.
+    /// \[1\] Returns the greatest sum of the shares of a body, whatever touches it.
     pub fn greatest_share(&self, body: BodyId) -> f64 {
         let mut heights: Vec<Heights> = self.slabs[body.index()].iter().map(|slab| slab.0).collect();
         heights.sort_by(|one, other| one.bottom.total_cmp(&other.bottom).then(one.top.total_cmp(&other.top)));
         heights.dedup();
-        let all = Heights::default();
-        heights.iter().map(|heights| self.share(heights, &all)).sum()
+        let share = |own: &Heights| match own.top.is_finite() {
+            true => own.extent() / self.load_length,
+            false => (self.highest / self.load_length).max(1.0),
+        };
+        heights.iter().map(share).sum()
     }
 
     /// Returns the heights of a wall.
@@ -180,7 +188,7 @@ pub struct ChestExposure {
 impl ChestExposure {
     /// Returns the exposure over a time of two parts, as [`super::Exposure::and`].
     pub(super) fn and(&self, before: f64, after: &ChestExposure, duration: f64) -> ChestExposure {
-        let mean = |one: f64, other: f64| (one * before + other * duration) / (before + duration);
+        let mean = |one, other| mean_of_both([one, other], [before, duration]);
         ChestExposure {
             people_force: mean(self.people_force, after.people_force),
             wall_force: mean(self.wall_force, after.wall_force),

@@ -487,7 +487,7 @@ impl Scene {
     }
 
     /// Whether the walls of two faces have the same heights.
-    fn same_heights(&self, one: FaceId, other: FaceId) -> bool {
+    pub(super) fn same_heights(&self, one: FaceId, other: FaceId) -> bool {
         let wall = |face: FaceId| self.faces[face.index()].wall.index();
         self.levels.as_ref().is_none_or(|levels| levels.of_wall(wall(one)) == levels.of_wall(wall(other)))
     }

@@ -181,7 +181,9 @@ impl WallContacts {
                 let (n, m) = (one.overlap.normal, other.overlap.normal);
                 let cos = n.dot(&m);
                 let squared_sine = 1.0 - cos * cos;
-                if cos <= 0.0 {
+                // Walls of different heights act each for itself: their forces are of other parts of the disk.
+                let [of_one, of_other] = [one, other].map(|contact| faces[contact.place].face);
+                if cos <= 0.0 || !scene.same_heights(of_one, of_other) {
                     continue;
                 }
                 if squared_sine < PARALLEL {

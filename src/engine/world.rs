@@ -485,7 +485,8 @@ impl World {
         if so_far > 0.0 {
             exposures.come_after(so_far, &self.exposures, duration);
         }
-        if let Some(b) = exposures.bodies.iter().position(|exposure| !exposure.is_finite()) {
+        let of_bodies = exposures.bodies.iter().position(|exposure| !exposure.is_finite());
+        if let Some(b) = of_bodies.or_else(|| exposures.chests.iter().position(|chest| !chest.is_finite())) {
             return Err(AdvanceError::NotFinite { body: BodyId::from(b) });
         }
         self.contacts = contacts;

@@ -24,7 +24,7 @@ impl Model for CrowdModel {
     const INTERPOLATES_INPUTS: bool = true;
     const KNOWS_DERIVATIVES: bool = true;
     const SHOWS_INTERMEDIATE_VALUES: bool = true;
-    const STATE_VERSION: u32 = 14;
+    const STATE_VERSION: u32 = 15;
     const SIZES: &'static [Size] = &SIZES;
     const VARIABLES: &'static [Variable<CrowdQuantity>] = &QUANTITIES;
 

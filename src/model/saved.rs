@@ -162,10 +162,12 @@ fn check_running(world: &World, trial: &Trial, running: &Running) -> Answer<()> 
             && [mean_force, mean_wall_force, peak_force, peak_overlap].into_iter().all(positive)
     };
     let pressed = |of: &FaceExposure| [of.mean_force, of.peak_force].into_iter().all(positive);
+    let pressed_chest =
+        |of: &ChestExposure| of.is_finite() && positive(of.people_force) && positive(of.wall_force);
     let finite = running.drive.iter().all(finite)
         && running.exposures.bodies.iter().all(exposed)
         && running.exposures.faces.iter().all(pressed)
-        && running.exposures.chests.iter().all(ChestExposure::is_finite)
+        && running.exposures.chests.iter().all(pressed_chest)
         && running.exposures.panels.iter().all(|of| of.mean_force.is_finite() && positive(of.peak_force))
         && state.poses.iter().all(|pose| pose.position.is_finite() && pose.orientation.is_finite())
         && state.twists.iter().all(|twist| twist.velocity.is_finite() && twist.angular_velocity.is_finite())

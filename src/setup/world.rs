@@ -128,7 +128,7 @@ impl Setup<'_> {
         let walls = || self.geometry.walls.iter().map(|wall| wall.heights);
         let is_plan = disks().flatten().chain(walls()).all(|heights| heights.is_all());
         let chests: Vec<_> = self.agents.iter().map(|agent| agent.chest_height).collect();
-        if is_plan && chests.iter().all(Option::is_none) {
+        if is_plan && !self.agents.iter().any(Agent::has_chest) {
             return None;
         }
         let bodies: Vec<Vec<_>> = disks().map(Iterator::collect).collect();

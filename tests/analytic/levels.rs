@@ -75,3 +75,18 @@ fn a_chest_between_walls_has_their_force() {
         assert!((of.exposures()[0].mean_wall_force / (2.0 * pressed) - 1.0).abs() < 1e-9);
     }
 }
+
+/// A rail before a wall does not hide it: each acts by its own height. Without heights only the deeper one does.
+#[test]
+fn walls_of_different_heights_act_each_for_itself() {
+    let walls: &[&[(f64, f64)]] = &[&[(0.995, -1.0), (0.995, 1.0)], &[(1.0, -1.0), (1.0, 1.0)]];
+    let person = [disk(80.0, 0.2).at(0.81, 0.0)];
+    let own = [vec![heights(0.95, 1.05)]];
+    let high = [heights(1.0, 1.01), heights(0.0, f64::INFINITY)];
+    let of = in_levels(world(&person, walls, ELASTIC, 1e-4), &own, &high, &[None]);
+    let forces: Vec<f64> = of.contacts().contacts.iter().map(|contact| contact.normal_force).collect();
+    let expected = [0.1 * 0.015, 0.010].map(|depth| ELASTIC.normal_stiffness * depth);
+    assert!(
+        forces.len() == 2 && forces.iter().zip(expected).all(|(found, it)| (found / it - 1.0).abs() < 1e-9)
+    );
+}

@@ -192,8 +192,8 @@ fn measured(
         mass: person.mass,
         height: Some(person.stature),
         moment_of_inertia: shape.inertia(person.mass),
+        chest_height: slabs.and_then(|_| chest_height(alone, &disks)),
         shapes: disks.into_iter().map(disk).collect(),
-        chest_height: slabs.map(|_| chest_height(alone)),
         kind: None,
         ..first.clone()
     };

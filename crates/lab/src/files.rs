@@ -8,7 +8,7 @@ use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::PairForce;
 use crowd_mechanics::pack::{Binary, FmuFormat, Naming, Package, THIRD_PARTY};
 use lemons_core::files::source::Memory;
-use lemons_core::trial::DRIVE_FILE;
+use lemons_core::trial::{Agent, DRIVE_FILE};
 use lemons_decision::DECISION_FILE;
 use lemons_people::placing::{PlacingProgress, Stage, Watch};
 use lemons_people::{MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
@@ -206,7 +206,7 @@ fn table(of: &LoadedTrial, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Ref
     })?;
     let legs = of.plan.as_ref().is_some_and(|plan| plan.balance.is_some());
     let groups = ALL.with(Group::Active, of.plan.is_some()).with(Group::Legs, legs);
-    let chests = of.trial.agents.iter().any(|agent| agent.chest_height.is_some());
+    let chests = of.trial.agents.iter().any(Agent::has_chest);
     let groups = groups.with(Group::Chest, chests);
     let content = TableContent { columns: groups.columns(), about: Vec::new() };
     let (file, path) = (Cursor::new(Vec::new()), Path::new("the table"));

@@ -20,12 +20,21 @@ const APART: f64 = 0.02;
 const REACH: f64 = 0.02;
 /// \[m\] Least radius of a disk, if the section is not smaller: others are probably not meant (src/setup/usual.txt).
 const LEAST: f64 = 0.02;
+/// Sections of which the fullest stands for a slab.
+const SECTIONS: u32 = 9;
 /// Places on half of the middle line of a section at which disks can be.
 const PLACES: i32 = 24;
 
 /// Slabs of heights in which people have disks. Without any it is the plan, in which disks are of all heights.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Slabs(Vec<Heights>);
+pub struct Slabs(Vec<Slab>);
+
+/// A slab; \[m\] the height of its section, if it is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Slab {
+    heights: Heights,
+    at: Option<f64>,
+}
 
 impl Slabs {
     /// Makes equal slabs from 0.5 m to 1.7 m; one is the plan.
@@ -36,7 +45,8 @@ impl Slabs {
         require((1..=MOST).contains(&count), || format!("{count}: must be 1 to {MOST}"))?;
         let [low, high] = BAND;
         let end = |k: usize| rounded(low + (high - low) * k as f64 / count as f64);
-        let slabs = (0..count).map(|k| Heights { bottom: end(k), top: end(k + 1) });
+        let slab = |k| Slab { heights: Heights { bottom: end(k), top: end(k + 1) }, at: None };
+        let slabs = (0..count).map(slab);
         Ok(Slabs(if count == 1 { Vec::new() } else { slabs.collect() }))
     }
 
@@ -60,13 +70,17 @@ impl Slabs {
             .chain([heights[count - 1] + half(count - 2)])
             .map(rounded)
             .collect();
-        Ok(Slabs(ends.windows(2).map(|ends| Heights { bottom: ends[0], top: ends[1] }).collect()))
+        let slab = |(ends, at): (&[f64], &f64)| Slab {
+            heights: Heights { bottom: ends[0], top: ends[1] },
+            at: Some(*at),
+        };
+        Ok(Slabs(ends.windows(2).zip(heights).map(slab).collect()))
     }
 
     /// \[m\] Returns the height of all slabs: who is pressed over it is as stiff as in the plan. There is none in the plan.
     pub fn load_length(&self) -> Option<f64> {
         let [first, .., last] = self.0[..] else { return None };
-        Some(rounded(last.top - first.bottom))
+        Some(rounded(last.heights.top - first.heights.bottom))
     }
 
     /// Returns the disks of an agent: the first and the last one are left and right of one level.
@@ -74,7 +88,7 @@ impl Slabs {
     /// # Errors
     /// As those of [`Body3d::similar`], or somebody is below all slabs.
     pub fn disks(&self, agent: &CrowdMember) -> Result<Vec<BodyDisk>> {
-        let Some(lowest) = self.0.first() else { return agent.disks() };
+        let Some(Slab { heights: lowest, .. }) = self.0.first() else { return agent.disks() };
         let figure = Figure::of(agent)?;
         let things = things(&figure, agent);
         let seat = things.iter().fold(0.0, |seat: f64, (_, heights)| seat.max(heights.top));
@@ -89,11 +103,12 @@ impl Slabs {
                     "a person of {stature:.2} m does not reach the lowest level, which begins at {bottom} m"
                 )
             })?;
-            stacks.extend(self.within(own).filter_map(|part| section(body, at, raised, part)));
+            let parts = self.within(own);
+            stacks.extend(parts.filter_map(|(part, height)| section(body, at, raised, part, height)));
         }
         for (disks, heights) in things {
             let part = |heights| disks.iter().map(|disk| BodyDisk { heights, ..disk.clone() }).collect();
-            stacks.extend(self.within(heights).map(part));
+            stacks.extend(self.within(heights).map(|(heights, _)| part(heights)));
         }
         let ahead = stacks.iter().position(|stack| looks_ahead(stack));
         let first = ahead.map(|k| stacks.remove(k)).or_else(|| Some(halves(stacks.first_mut()?)));
@@ -123,22 +138,26 @@ impl Slabs {
         Ok(Shape { disks })
     }
 
-    /// Returns the parts of what is between two heights, by slab.
-    fn within(&self, own: Heights) -> impl Iterator<Item = Heights> {
-        let part =
-            move |slab: &Heights| Heights { bottom: slab.bottom.max(own.bottom), top: slab.top.min(own.top) };
-        self.0.iter().map(part).filter(|part| part.extent() >= REACH)
+    /// Returns the parts of what is between two heights, by slab; with the height of a section that is given.
+    fn within(&self, own: Heights) -> impl Iterator<Item = (Heights, Option<f64>)> {
+        let part = move |Slab { heights: Heights { bottom, top }, at }: &Slab| {
+            let part = Heights { bottom: bottom.max(own.bottom), top: top.min(own.top) };
+            (part, at.filter(|at| part.hold(*at)))
+        };
+        self.0.iter().map(part).filter(|(part, _)| part.extent() >= REACH)
     }
 }
 
-/// \[m\] Returns the height of somebody's chest: of the person, if there is a child at its hand.
-pub fn chest_height(agent: &CrowdMember) -> f64 {
+/// \[m\] Returns the height of somebody's chest: of the person, if there is a child at its hand. None if there are no disks of
+/// a person: where a chair or a bicycle is around it, and above or below all slabs.
+pub fn chest_height(agent: &CrowdMember, disks: &[BodyDisk]) -> Option<f64> {
     let (person, seat) = match agent {
         CrowdMember::Pedestrian(person) => (person, None),
         CrowdMember::Member(member) => (&member.people[0].0, member.kind.seated.then_some(member.kind.seat)),
     };
     let [crotch, chest] = Body3d::crotch_and_chest(person);
-    rounded(chest + seat.map_or(0.0, |seat| seat - crotch))
+    let height = rounded(chest + seat.map_or(0.0, |seat| seat - crotch));
+    disks.iter().any(|of| of.material.is_none() && of.heights.hold(height)).then_some(height)
 }
 
 /// \[m\] Heights are written in tenths of a millimetre.
@@ -162,10 +181,25 @@ fn things(figure: &Figure, agent: &CrowdMember) -> Vec<(Vec<BodyDisk>, Heights)>
     parts.collect()
 }
 
-/// The disks of a part of a body that is higher than that of who stands.
-fn section(body: &Body3d, at: Vec2, raised: f64, heights: Heights) -> Option<Vec<BodyDisk>> {
-    let slices = body.slice_at(0.5 * (heights.bottom + heights.top) - raised);
-    let outline = Ring::through(convex_hull(slices.into_iter().flat_map(|slice| slice.points)))?;
+/// The disks of a part of a body that is higher than that of who stands: of its section at a height, or of the fullest one.
+fn section(
+    body: &Body3d,
+    at: Vec2,
+    raised: f64,
+    heights: Heights,
+    height: Option<f64>,
+) -> Option<Vec<BodyDisk>> {
+    let outline = |height: f64| {
+        let slices = body.slice_at(height - raised);
+        Ring::through(convex_hull(slices.into_iter().flat_map(|slice| slice.points)))
+    };
+    let within = |k: u32| heights.bottom + heights.extent() * (f64::from(k) + 0.5) / f64::from(SECTIONS);
+    let outline = match height {
+        Some(height) => outline(height),
+        None => (0..SECTIONS)
+            .filter_map(|k| outline(within(k)))
+            .max_by(|one, other| one.area().total_cmp(&other.area())),
+    }?;
     let placed = |disk: Disk| BodyDisk { heights, ..BodyDisk::of(Disk { centre: disk.centre + at, ..disk }) };
     Some(covering(&outline).into_iter().map(placed).collect())
 }

@@ -119,7 +119,7 @@ fn body(agent: &crate::CrowdMember, id: usize, settings: &TrialSettings) -> Resu
         }
     };
     let disks = settings.slabs.as_ref().map_or_else(|| agent.disks(), |slabs| slabs.disks(agent))?;
-    let chest_height = settings.slabs.as_ref().map(|_| chest_height(agent));
+    let chest_height = settings.slabs.as_ref().and_then(|_| chest_height(agent, &disks));
     let shape = |BodyDisk { disk, material, heights }: BodyDisk| lemons_core::trial::ShapeElement {
         radius: disk.radius,
         material_id: material.unwrap_or_else(|| settings.people.clone()),

@@ -47,9 +47,13 @@ fn disks_cover_the_sections_of_the_body() {
             let (mut all, mut covered, mut missed, mut beyond) = (0.0, 0.0, 0.0, 0.0);
             for k in 0..count {
                 let (bottom, height) = (0.5 + 1.2 * k as f64 / count as f64, 1.2 / count as f64);
-                let middle = 0.5 * (bottom + (bottom + height).min(person.stature));
-                let slices = body.slice_at(middle).into_iter().flat_map(|slice| slice.points);
-                let outline = Ring::through(convex_hull(slices)).unwrap();
+                let top = (bottom + height).min(person.stature);
+                // The fullest of nine.
+                let outlines = (0..9).filter_map(|k| {
+                    let at = bottom + (top - bottom) * (f64::from(k) + 0.5) / 9.0;
+                    Ring::through(convex_hull(body.slice_at(at).into_iter().flat_map(|slice| slice.points)))
+                });
+                let outline = outlines.max_by(|a, b| a.area().total_cmp(&b.area())).unwrap();
                 let own = disks(&agent, bottom + 0.01);
                 assert_eq!(own.len(), 5);
                 (all, covered) = (all + outline.area(), covered + union(&own).area);
@@ -92,7 +96,11 @@ fn everybody_looks_ahead_and_is_otherwise_as_in_the_plan() {
             let turned = agent.disks_facing_x().into_iter().zip(&agent.shapes);
             assert!(turned.clone().all(|((at, _), of)| at == of.position), "{:?}", agent.kind);
             assert!(!agent.shapes.iter().any(|of| of.heights.is_all()) && agent.shapes.len() > 4);
-            assert_eq!(agent.chest_height, Some(chest_height(who)));
+            // The disks of a person are there, not those of a chair alone.
+            let of_person = agent.shapes.iter().filter(|of| of.material_id == "human_naked");
+            let holds = |at: f64| of_person.clone().any(|of| of.heights.hold(at));
+            assert!(agent.chest_height.is_none_or(holds));
+            assert_eq!(agent.chest_height, chest_height(who, &slabs.disks(who).unwrap()));
             let without = |agent: &Agent| Agent { shapes: Vec::new(), chest_height: None, ..agent.clone() };
             assert_eq!(without(agent), without(old));
         }
@@ -106,7 +114,8 @@ fn everybody_looks_ahead_and_is_otherwise_as_in_the_plan() {
     }
     // One level is the plan, with chests.
     let mut one = trial(&placed, Some(Slabs::equal(1).unwrap()));
-    assert!(one.agents.iter().all(|agent| agent.chest_height.is_some_and(|at| (0.5..1.7).contains(&at))));
+    let has_chest = |agent: &&Agent| agent.chest_height.is_some_and(|at| (0.5..1.7).contains(&at));
+    assert!(one.agents.iter().filter(has_chest).count() > 30);
     one.agents.iter_mut().for_each(|agent| agent.chest_height = None);
     assert_eq!(one, plan);
 }
@@ -131,9 +140,9 @@ fn nobody_is_above_the_stature_and_no_chair_above_its_back() {
         let (chair, person): (Vec<_>, Vec<_>) = agent.shapes.iter().partition(|of| of.material_id == "frame");
         assert!(chair.iter().all(|of| of.heights.top < 0.94) && chair.len() == 10);
         assert!(person.iter().all(|of| of.heights.bottom > 0.92 && of.heights.top < 1.6) && person.len() > 4);
-        // Somebody's chest is between the seat and the top of the head.
+        // Somebody's chest is between the seat and the top of the head, if the chair does not hide it.
         let top = person.iter().map(|of| of.heights.top).fold(0.0, f64::max);
-        assert!(agent.chest_height.is_some_and(|at| at > 0.48 + 0.2 && at < top - 0.3), "{agent:?}");
+        assert!(agent.chest_height.is_none_or(|at| at > 0.92 && at < top - 0.3), "{agent:?}");
     }
     // Who has only a head in the levels.
     let tall = Slabs::about(&[1.6, 1.7]).unwrap();

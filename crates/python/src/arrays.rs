@@ -67,7 +67,7 @@ pub fn frame_of(time: f64, numbers: &[f64], each: usize, leaving: bool) -> Frame
     };
     let rows: Vec<AgentRow> = numbers.chunks_exact(each).map(row).collect();
     let [base, with_legs, _] = widths();
-    let has_legs = each > base && !numbers.get(base).is_some_and(|legs| legs.is_nan());
+    let has_legs = each > base && numbers.chunks_exact(each).any(|own| !own[base].is_nan());
     let groups = ALL.with(Group::Active, leaving).with(Group::Legs, has_legs);
     let groups = groups.with(Group::Chest, each > with_legs);
     let mut frame = Frame { place: format!("t = {time:?} s"), ..groups.frame_of_rows(time, &rows) };

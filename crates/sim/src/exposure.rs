@@ -115,8 +115,14 @@ impl ExposureSum {
 
     /// Returns whether all numbers are possible.
     pub fn is_possible(&self) -> bool {
-        let mut all = self.agents.iter().flatten().chain([&self.duration]);
-        self.duration >= 0.0 && all.all(|number| number.is_finite())
+        // Only compressions may be below 0.
+        let signed = [Effect::ChestFront, Effect::ChestSide, Effect::ChestLeast];
+        let of_agent = |numbers: &[f64; Effect::OF_STEPS]| {
+            numbers.iter().zip(of_steps()).all(|(number, (effect, _))| {
+                number.is_finite() && (*number >= 0.0 || signed.contains(&effect))
+            })
+        };
+        self.duration >= 0.0 && self.duration.is_finite() && self.agents.iter().all(of_agent)
     }
 }
 

@@ -17,7 +17,6 @@ use lemons_sim::Until;
 
 /// \[s\] Single steps show hard collisions of milliseconds, and no pressure.
 pub const OVER: f64 = 1.0;
-const NO_TRIAL: &str = "no Trial says where chests are";
 
 /// Measures what the arguments ask for; `room` is there if there are areas.
 pub fn pass(
@@ -39,6 +38,9 @@ pub fn pass(
     let walls = trial.filter(|_| arguments.walls);
     let mut loads = walls.map(|trial| LoadsOverTime::of(&trial.geometry));
     let begun = trial.filter(|_| arguments.breathing);
+    if arguments.breathing && begun.is_none() {
+        bail!("--breathing: {}: no Trial says where chests are", record.source().display());
+    }
     let mut breathing = begun.map(BreathingOverTime::of);
     let (mut moving, mut spread) = (MovingMeans::over(OVER), Vec::new());
     let departures = if record.trajectories().is_some() { Departures::of_appearing } else { Departures::of };
@@ -86,7 +88,6 @@ pub fn pass(
     let breathing = match breathing.map(BreathingOverTime::finish) {
         Some(Err(why)) => bail!("--breathing: {}: {why}", record.source().display()),
         Some(Ok(each)) => BreathingSummary::of(each, ids),
-        None if arguments.breathing => bail!("--breathing: {}: {NO_TRIAL}", record.source().display()),
         None => None,
     };
     let squeezed = SqueezeSummary::of(&exposure, &parts, (above, *over), ids);

@@ -65,7 +65,7 @@ pub struct StyleArguments {
     #[arg(long, value_name = "ORIGIN", default_value = "plane", requires = "measured")]
     measured_from: CoordinateOrigin,
     /// Draw only the disks and walls at this height, in metres: of people in levels
-    #[arg(long, value_name = "METRES", value_parser = number(|height| (0.0..1e3).contains(&height), "a height in metres, not below 0"))]
+    #[arg(long, value_name = "METRES", conflicts_with = "forces", value_parser = number(|height| (0.0..1e3).contains(&height), "a height in metres, not below 0"))]
     height: Option<f64>,
     /// Draw the agents' Ids on the bodies
     #[arg(long)]

@@ -90,6 +90,11 @@ impl Agent {
         Agent { shapes: disks.iter().map(shape).collect(), ..self }
     }
 
+    /// Returns whether the load on its chest is found: whether it has disks at `chest_height`.
+    pub fn has_chest(&self) -> bool {
+        self.chest_height.is_some_and(|at| self.shapes.iter().any(|shape| shape.heights.hold(at)))
+    }
+
     /// Returns centre \[m\] and radius \[m\] of the disks, relative to the centre of mass, when the gaze is along x.
     pub fn disks_facing_x(&self) -> Vec<(Vec2, f64)> {
         let ends = self.shapes.first().zip(self.shapes.last());

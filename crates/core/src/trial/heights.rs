@@ -23,6 +23,9 @@ impl Default for Heights {
     }
 }
 
+/// \[m\] The highest end of anything.
+const HIGHEST: f64 = 1000.0;
+
 /// The attributes `Bottom` and `Top`.
 pub(crate) const HEIGHTS: [(&str, AttributeValue); 2] =
     [("Bottom", AttributeValue::NotNegative), ("Top", AttributeValue::Positive)];
@@ -54,8 +57,12 @@ impl Heights {
         let all = Heights::default();
         let heights = Heights { bottom: value("Bottom", all.bottom), top: value("Top", all.top) };
         if heights.top <= heights.bottom {
-            let name = if element.node.has("Top") { "Top" } else { "Bottom" };
-            element.wrong(name, format!("must be above Bottom, {:?}", heights.bottom));
+            element.wrong("Top", format!("must be above Bottom, {:?}", heights.bottom));
+        }
+        for (name, value) in [("Bottom", heights.bottom), ("Top", heights.top)] {
+            if value > HIGHEST && value.is_finite() {
+                element.wrong(name, format!("must be at most {HIGHEST} m"));
+            }
         }
         heights
     }

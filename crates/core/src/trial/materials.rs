@@ -123,7 +123,13 @@ pub(crate) fn read(root: Element<'_>) -> Read {
     let (mut ids, mut lines, mut pairs) = (HashMap::new(), Vec::new(), HashMap::new());
     let list = root.only("Intrinsic");
     let load_length = list.filter(|list| list.node.has("LoadLength"));
-    let load_length = load_length.map_or(LOAD_LENGTH, |list| list.number("LoadLength"));
+    let load_length = load_length.map_or(LOAD_LENGTH, |list| {
+        let length = list.number("LoadLength");
+        if length > 0.0 && !(0.001..=1000.0).contains(&length) {
+            list.wrong("LoadLength", "must be from 0.001 m to 1000 m");
+        }
+        length
+    });
     for element in list.iter().flat_map(|list| list.children("Material")) {
         lines.push(element.line());
         intrinsic.push(Material {

@@ -3,7 +3,7 @@
 //! A seated body is the standing one with bent knees and elbows: simple, an assumption. Things are the plain solids of
 //! `data/kinds.toml`. Closed surfaces may overlap here: thighs begin within the trunk, wheels in their axles.
 
-use super::{Body3d, BodySlice, MeshPart, TORSO_ALTITUDE};
+use super::{Body3d, BodySlice, MeshPart};
 use crate::anthropometry::ansur;
 use crate::bicycle::{Bicycle, PAPER_BICYCLES};
 use crate::error::Result;
@@ -164,19 +164,19 @@ pub type PlacedPeople = Vec<(Person, Vec2)>;
 const USUAL_STATURE: f64 = 1.75;
 
 /// A person whose measures fit an agent of a Trial: the extents of its disks, without those of things that go along,
-/// are breadth and depth, in levels those at the torso's altitude; of somebody who has none, those of the mean man. The
+/// are breadth and depth, in levels those of the broadest one; of somebody who has none, those of the mean man. The
 /// sex cannot be known: it is taken for a man.
 pub fn person_fitting(agent: &lemons_core::trial::Agent) -> Person {
     let stature = agent.height.unwrap_or(USUAL_STATURE);
-    let torso = TORSO_ALTITUDE * stature;
     let disks = agent.disks_facing_x().into_iter().zip(&agent.shapes);
-    let own = disks.filter(|(_, shape)| {
-        !PART_MATERIALS.contains(&&*shape.material_id)
-            && (shape.heights.bottom..shape.heights.top).contains(&torso)
+    let own = disks.filter(|(_, shape)| !PART_MATERIALS.contains(&&*shape.material_id));
+    let own: Vec<_> = own.map(|((centre, radius), shape)| (Disk { radius, centre }, shape.heights)).collect();
+    let levels = own.iter().map(|(_, heights)| {
+        bounds(own.iter().filter(|(_, other)| other == heights).map(|(disk, _)| *disk)).size()
     });
-    let own: Vec<Disk> = own.map(|((centre, radius), _)| Disk { radius, centre }).collect();
+    let broadest = levels.max_by(|one, other| one.y.total_cmp(&other.y));
     let [breadth, depth, ..] = ansur(Sex::Male).measures.each_ref().map(|measure| measure.mean);
-    let size = if own.is_empty() { vec2(depth, breadth) } else { bounds(own.into_iter()).size() };
+    let size = broadest.unwrap_or(vec2(depth, breadth));
     let (depth, breadth) = (size.x, size.y);
     Person { sex: Sex::Male, breadth, depth: depth.min(breadth), stature, mass: agent.mass }
 }

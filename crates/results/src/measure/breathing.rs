@@ -77,11 +77,12 @@ fn time_to_critical(load: f64) -> f64 {
     short * libm::pow(high / load.min(high), exponent)
 }
 
-/// Returns the load on somebody's trunk over that on the disks of the chest: 1 if these are all disks, as in a plan; else 2:
+/// Returns the load on somebody's trunk over that on the disks of the chest: 1 if these are of all heights, as in a plan; else 2:
 /// the abdomen is assumed to bear as much.
 fn trunk(agent: &Agent) -> f64 {
     let chest = agent.chest_height.unwrap_or_default();
-    if agent.shapes.iter().all(|shape| shape.heights.hold(chest)) { 1.0 } else { 2.0 }
+    let mut of_chest = agent.shapes.iter().filter(|shape| shape.heights.hold(chest));
+    if of_chest.all(|shape| shape.heights.is_all()) { 1.0 } else { 2.0 }
 }
 
 impl BreathingOverTime {
