@@ -52,7 +52,7 @@ NOT_RUN = {
     ("docs/scenes.md", "python examples/trains.py"): "takes half a minute; test_sources.py runs the first train",
     ("docs/walking.md", "python examples/door_width.py"): "takes minutes; test_pictures.py makes fewer rooms",
     ("docs/barriers.md", "python examples/barriers.py barriers columns"): "takes minutes; test_barriers.py has fewer seeds",
-    ("docs/levels.md", "python examples/levels.py levels --seeds 10"): "takes minutes; test_levels.py has fewer seeds",
+    ("docs/levels.md", "python examples/levels.py levels row --seeds 10"): "takes minutes; test_levels.py has fewer seeds",
     ("docs/guide/squeeze.md", "cargo test --release -p lemons-people"): COMPILES,
     ("docs/guide/squeeze.md", "python examples/soft_chest.py"): "takes minutes; test_numbers.py makes fewer rooms",
     ("docs/guide/controller.md", "python examples/turnstile.py"): "takes minutes; test_turnstile.py makes one crowd",
