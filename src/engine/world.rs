@@ -354,7 +354,7 @@ impl World {
         &self.exposures.panels
     }
 
-    /// Returns the load on each chest in the last communication step; empty if no chest is watched ([`Levels::new`]).
+    /// Returns the load on each chest in the last communication step; empty if no chest is watched ([`Levels::new`](super::Levels::new)).
     pub fn chest_exposures(&self) -> &[ChestExposure] {
         &self.exposures.chests
     }
