@@ -132,7 +132,7 @@ def test_thousand(pack, shared, tmp_path, row):
         description = archive.read("modelDescription.xml")
     assert len(description) <= 200 * 1000
     slave, references, _ = instance_of(fmu, tmp_path / "extracted")
-    assert len(references) == 44
+    assert len(references) == 46
     slave.enterInitializationMode(startTime=0.0)
     slave.exitInitializationMode()
     slave.setFloat64([references["Fp"]], [10.0, 0.0] * 1000)

@@ -59,7 +59,7 @@ def test_command_of_fmpy(push_fmu, push_fmu_3, tmp_path, row):
         return float(f"{number:.16g}")
 
     assert "No problems found" in fmpy("validate", push_fmu_3)
-    assert "44" in next(line for line in fmpy("info", push_fmu_3).splitlines() if "Variables  " in line)
+    assert "46" in next(line for line in fmpy("info", push_fmu_3).splitlines() if "Variables  " in line)
     for fmu, name in [(push_fmu, "two"), (push_fmu_3, "three")]:
         start = ["agent[0].Velocity.x", "1.5"] if name == "two" else ["Velocity", "1.5 0 0 0 0 0 0 0 0 0"]
         times = ["--stop-time", 1.0, "--step-size", STEP, "--output-interval", STEP]
