@@ -172,10 +172,10 @@ quantities! {
         .calculated("deepest overlap of its contacts within the last step").initially_on(PLACES),
         |world, i| world.exposures()[i].peak_overlap;
     CompressionFront: AGENTS, Real(FORCE), .named("Compression.front")
-        .calculated("force that presses it together along the gaze at the communication point: -sum r F / depth")
+        .calculated("front-back compression")
         .initially_on(ALL_FORCES), |world, i| world.compressions()[i].front;
     CompressionSide: AGENTS, Real(FORCE), .named("Compression.side")
-        .calculated("force that presses it together across the gaze: the same over its breadth")
+        .calculated("side-side compression")
         .initially_on(ALL_FORCES), |world, i| world.compressions()[i].side;
     // A Trial that was chosen later may have no heights of chests.
     ChestForce: CHESTS, Real(NORMAL_FORCE),
