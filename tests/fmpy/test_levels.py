@@ -125,6 +125,20 @@ def test_breathing_needs_chests_and_has_its_dose(run, tmp_path):
     assert "ChestHeight" in said
 
 
+def test_a_sweep_has_the_numbers_of_the_measurement(run, tmp_path):
+    trial = tmp_path / "trial"
+    squeezed(run, trial, "--levels", 1)
+    run("measure", trial, "--until", 6, "--breathing", "-o", tmp_path / "out")
+    with open(tmp_path / "out/breathing.csv", newline="") as table:
+        (row,) = list(csv.DictReader(table))
+    measures = "".join(f'{name} = {{ breathing = "{name}", across = "max" }}\n' for name in ("front", "dose", "critical_part", "above_623"))
+    (tmp_path / "sweep.toml").write_text(f'trial = "trial"\nuntil = 6.0\n[parameters]\nMostMechanicalSteps = [1e9]\n[measures]\n{measures}')
+    run("sweep", tmp_path / "sweep.toml", "-o", tmp_path / "sweep.csv")
+    lines = [line for line in (tmp_path / "sweep.csv").read_text().splitlines() if not line.startswith("#")]
+    (point,) = list(csv.DictReader(lines))
+    assert float(row["dose"]) > 0 and all(float(point[name]) == float(row[name]) for name in ("front", "dose", "critical_part", "above_623"))
+
+
 @pytest.mark.long
 def test_the_example_prints_its_tables(lemons, tmp_path):
     command = [sys.executable, REPOSITORY / "examples/levels.py", tmp_path, "covered", "row", "--seeds", "2", "--levels", "1", "2"]

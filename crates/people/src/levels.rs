@@ -92,11 +92,11 @@ impl Slabs {
         let figure = Figure::of(agent)?;
         let things = things(&figure, agent);
         let seat = things.iter().fold(0.0, |seat: f64, (_, heights)| seat.max(heights.top));
+        let sits = matches!(agent, CrowdMember::Member(member) if member.kind.seated);
         let mut stacks: Vec<Vec<BodyDisk>> = Vec::new();
         for (body, at, raised) in figure.trunks() {
             // Things are around who sits, up to their top.
-            let own =
-                Heights { bottom: if raised == 0.0 { 0.0 } else { seat }, top: body.stature() + raised };
+            let own = Heights { bottom: if sits { seat } else { 0.0 }, top: body.stature() + raised };
             require(own.top.max(own.bottom) - lowest.bottom >= REACH, || {
                 let (stature, bottom) = (body.stature(), lowest.bottom);
                 format!(

@@ -2,6 +2,7 @@
 
 use crate::common::{agent, class, disk, extent, labels, number, pedestrian, row, trial};
 use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::Heights;
 use lemons_picture::*;
 use roxmltree::{Document, Node};
 
@@ -467,4 +468,22 @@ fn nothing_panics() {
         }
     }
     png(&svg(&PictureScene::at_start(&trial(vec![], vec![])), &Style::default()), 64).unwrap();
+}
+
+#[test]
+fn at_a_height_is_drawn_what_is_there() {
+    let mut t = row(0..2);
+    for shape in &mut t.agents[0].shapes {
+        shape.heights = Heights { bottom: 0.5, top: 1.0 };
+    }
+    t.geometry.walls[0].heights.top = 1.1;
+    for (height, bodies, walls) in [(None, 2, 1), (Some(0.7), 2, 1), (Some(1.05), 1, 1), (Some(1.2), 1, 0)] {
+        let text = svg(&PictureScene::at_start(&t).at_height(height), &Style::default());
+        let document = Document::parse(&text).unwrap();
+        let drawn = |name: &str| {
+            let groups = class(&document, name);
+            groups.iter().flat_map(|group| group.children().filter(Node::is_element)).count()
+        };
+        assert_eq!((drawn("bodies"), drawn("walls")), (bodies, walls), "{height:?}");
+    }
 }
