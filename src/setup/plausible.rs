@@ -3,7 +3,7 @@
 
 use super::Setup;
 use super::within::{Inside, outside_rooms, within_pillars};
-use crate::engine::{Body, CornerId, Face, FaceId, Scene, Vec2};
+use crate::engine::{Body, BodyId, CornerId, Face, FaceId, Scene, Vec2};
 use lemons_core::message::{Message, Sentence, message};
 use lemons_core::plane::{Bounds, segments_touch, vec2};
 use lemons_core::rule::sentences::*;
@@ -25,6 +25,8 @@ const OUTSIDE: f64 = 2.0;
 const FAR_AWAY: f64 = 1000.0;
 /// People outside of all walls who take this many times their length may have places in centimetres.
 const SPREAD: f64 = 10.0;
+/// \[1\] A stiffness that is this many times that of the plan view is hardly meant.
+const STIFFER: f64 = 2.0;
 /// \[m\] Distance within which a wall is behind a line of a link.
 const LINK_WALL: f64 = 3.0;
 /// Number of directions in which walls are searched, and number of them in which a person in a room sees one: a room
@@ -42,6 +44,8 @@ impl Setup<'_> {
             (Rule::BodySize, &places.agents, self.doubts_of_bodies(scene)),
             (Rule::Centre, &places.agents, self.doubts_of_centres(scene)),
             (Rule::BodyMass, &places.agents, self.doubts_of_masses()),
+            (Rule::ChestNowhere, &places.agents, self.doubts_of_chests()),
+            (Rule::LoadLength, &places.materials, self.doubts_of_load_length(scene)),
             (Rule::WallsSize, &places.geometry, self.doubts_of_walls(scene)),
             (Rule::WallsDoubled, &places.geometry, self.doubts_of_doubled_faces(scene)),
             (Rule::OpeningShort, &places.geometry, self.doubts_of_openings()),
@@ -151,6 +155,28 @@ impl Setup<'_> {
         };
         let (_, agent, others) = self.odd(scene, odd)?;
         Some(message!(CENTRE, agent, others))
+    }
+
+    /// Heights of chests are of levels that somebody has.
+    fn doubts_of_chests(&self) -> Option<Message> {
+        let nowhere = |agent: &&Agent| {
+            agent.chest_height.is_some_and(|at| !agent.shapes.iter().any(|shape| shape.heights.hold(at)))
+        };
+        let mut all = self.agents.iter().filter(nowhere);
+        let agent = all.next()?;
+        let others = in_all(1 + all.count(), AGENTS_IN_ALL);
+        Some(message!(CHEST_NOWHERE, agent = &agent.id, height = agent.chest_height?, others))
+    }
+
+    /// A rail in a plan view is stiffer than a wall by its own height over LoadLength.
+    fn doubts_of_load_length(&self, scene: &Scene) -> Option<Message> {
+        let levels = scene.levels.as_ref()?;
+        let shares = (0..scene.bodies.len()).map(|body| levels.greatest_share(BodyId::from(body)));
+        let mut all = self.agents.iter().zip(shares).filter(|(_, share)| *share > STIFFER);
+        let (agent, share) = all.next()?;
+        let others = in_all(1 + all.count(), AGENTS_IN_ALL);
+        let length = self.materials.load_length;
+        Some(message!(LOAD_LENGTH_SHORT, agent = &agent.id, share, length, others))
     }
 
     /// Faces that lie on each other act like one: that is probably meant, but not their number.

@@ -91,6 +91,21 @@ def test_what_is_wrong_is_told_with_its_value_and_its_file(lemons, tmp_path):
     assert f"warning: {other}: Fp=" in told.stderr and "Mass=\"80000.0\"" in told.stderr
 
 
+def test_heights_that_are_hardly_meant_are_told(lemons, tmp_path):
+    trial = tmp_path / "levels"
+    subprocess.run([lemons, "crowd", *STREET, "--levels", "2", "-o", trial], capture_output=True, check=True)
+    ids, _ = found(lemons, trial)
+    assert not ids & {"chest-at-no-disk", "load-length"}, ids
+    agents, materials = trial / "static/Agents.xml", trial / "static/Materials.xml"
+    agents.write_text(re.sub('ChestHeight="[^"]*"', 'ChestHeight="3.0"', agents.read_text(), count=2))
+    materials.write_text(re.sub('LoadLength="[^"]*"', 'LoadLength="0.3"', materials.read_text()))
+    ids, lines = found(lemons, trial)
+    assert ids >= {"chest-at-no-disk", "load-length"}, ids
+    assert any("ChestHeight 3.0 m (2 agents in all)" in line for line in lines), lines
+    # The two slabs are from 0.5 m to 1.7 m.
+    assert any("4.0 times the stiffness of the plan view (12 agents in all): LoadLength is 0.3 m" in line for line in lines), lines
+
+
 def test_the_end_of_a_run_is_told_alike(lemons, tmp_path):
     trial = tmp_path / "wall"
     subprocess.run([lemons, "crowd", "--box", "2x2", "--number", "12", "-o", trial], capture_output=True, check=True)

@@ -176,6 +176,12 @@ rules! {
     BodyMass "body-mass" Warning: "Agents.xml", "mass and height are together those of nobody", "give Mass in kg, Height in m", [
         BODY_MASS "index" "agent {agent:?} of Height {height:?} m has a Mass of {mass:.1} kg, {index:.1} kg/m²{others}: people have {least} to {most} kg/m²: is Mass in kg?",
     ];
+    ChestNowhere "chest-at-no-disk" Warning: "Agents.xml", "no disk of an agent is at its ChestHeight: the load on its chest is 0", "correct ChestHeight, or Bottom and Top of the shapes", [
+        CHEST_NOWHERE "agent" "agent {agent:?}: none of its shapes is at its ChestHeight {height:?} m{others}: the load on its chest is 0",
+    ];
+    LoadLength "load-length" Warning: "Materials.xml", "things of some height touch much more stiffly than their moduli say", "give LoadLength the height over which they touch", [
+        LOAD_LENGTH_SHORT "stiff" "agent {agent:?} can touch something with {share:.1} times the stiffness of the plan view{others}: LoadLength is {length:?} m, and the common height is longer",
+    ];
     WallsSize "walls-size" Warning: "Geometry.xml", "walls are very small or large for the people", "give Coordinates in metres", [
         WALLS_SMALL "small" "the walls span {width:.3} m × {height:.3} m, less than an agent: are their Coordinates in metres?",
         WALLS_AROUND_ONE "around-one" "the walls span {width:.3} m × {height:.3} m around 1 agent: are their Coordinates in metres?",
