@@ -13,7 +13,8 @@
 //! - [`room`], [`crowd`], [`upload`]: where a Trial comes from
 //! - [`loaded`]: a Trial, its people, and what drives them
 //! - [`scene`]: what a page draws of it
-//! - [`frame`]: what it keeps of a run, and asks of it; [`map`]: by place; [`limit`]: time above a limit
+//! - [`frame`]: what it keeps of a run, and asks of it; [`loads`]: on chests and at levels; [`map`]: by place; [`limit`]: time
+//!   above a limit
 //! - [`files`]: files to keep; [`report`]: the report of a run
 //! - `typescript`: types of requests and replies, for the page
 
@@ -26,6 +27,7 @@ pub mod frame;
 pub mod kinds;
 pub mod limit;
 pub mod loaded;
+pub mod loads;
 pub mod map;
 pub mod mechanics;
 pub mod motion;

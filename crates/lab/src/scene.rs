@@ -14,6 +14,9 @@ use lemons_people::{Person, Sex, mechanical_step_for};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// \[m\] Above all people.
+const HIGHEST: f64 = 3.0;
+
 /// A scene.
 #[derive(Default, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
@@ -44,6 +47,12 @@ pub(crate) struct Scene {
     pub warnings: Vec<Message>,
     materials: Vec<Material2d>,
     contacts: Vec<Contact<f64>>,
+    /// Whether the load on chests is found.
+    chests: bool,
+    /// \[m\] Levels of people, from the lowest: bottom and top. None in the plan.
+    levels: Vec<[f64; 2]>,
+    /// How many numbers a frame has of each agent besides ([`crate::loads`]).
+    further: usize,
     /// Agents that overlap others or walls at the start.
     overlapping: BTreeSet<usize>,
     /// The deepest overlap at the start.
@@ -88,6 +97,10 @@ struct WallShown {
     #[cfg_attr(feature = "typescript", ts(as = "Option<Vec<[f64; 2]>>", optional))]
     #[serde(skip_serializing_if = "Option::is_none")]
     open: Option<trial::OpeningTimes>,
+    /// \[m\] Bottom and top; without, it has no end.
+    #[cfg_attr(feature = "typescript", ts(optional))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heights: Option<[f64; 2]>,
 }
 
 /// Measures of somebody in a crowd.
@@ -99,6 +112,11 @@ struct PersonDrawn {
     depth: f64,
     stature: f64,
     mass: f64,
+}
+
+/// \[m\] Bottom and top, as numbers: what has no top ends above all people.
+fn ends(of: &trial::Heights) -> [f64; 2] {
+    [of.bottom, of.top.min(HIGHEST)]
 }
 
 /// Returns the walls' corners \[m\]; each agent's Id, mass \[kg\] and disks (x, y, radius \[m\], in the body's frame), its
@@ -128,6 +146,7 @@ pub(crate) fn of(run: &LabRun) -> Scene {
         id: wall.id.clone(),
         corners: corners(&wall.corners),
         open: wall.open.clone(),
+        heights: Some(ends(&wall.heights)).filter(|_| !wall.heights.is_all()),
     };
     let person = |agent: &lemons_people::CrowdMember| {
         let Person { sex, breadth, depth, stature, mass } = *agent.everybody().first()?;
@@ -181,6 +200,9 @@ pub(crate) fn of(run: &LabRun) -> Scene {
         error: steps.map(|steps| steps.error(trial.parameters.time_step_mechanical)),
         materials: materials.map(material).collect(),
         contacts: contacts.map(contact).collect(),
+        chests: run.loads.chests,
+        levels: run.loads.levels.iter().map(ends).collect(),
+        further: run.loads.columns(),
         overlapping,
         overlap,
         pushed,
