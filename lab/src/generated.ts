@@ -10,7 +10,7 @@ export type AboveLimit = { people: number, first: number | null, who: number, lo
 export type Advanced = { overlaps: Array<number>, arrived: Array<number>, };
 
 /** An agent of a scene. */
-export type AgentShown = { id: string, mass: number, disks: Array<[number, number, number]>, kind: string | null, speed: number | null, things: Array<string | null> | null, seated: Array<[number, number, number]> | null, };
+export type AgentShown = { id: string, mass: number, disks: Array<[number, number, number]>, heights?: Array<[number, number]>, kind: string | null, speed: number | null, things: Array<string | null> | null, seated: Array<[number, number, number]> | null, };
 
 /** How people who stand keep their balance. */
 export type BalanceName = "none" | "pendulum" | "two-level";

@@ -177,10 +177,7 @@ impl Lab {
                 map::add(&mut run.map, &run.loaded, *of, *fresh, bytes)
             }
             Request::Limit(wanted) => limit::add(&mut self.limits, wanted, bytes),
-            Request::Sections { run, altitude } => {
-                let run = self.present(*run)?;
-                body::sections(&run.loaded, run.bodies()?, *altitude)
-            }
+            Request::Sections { run, altitude } => body::sections(self.present(*run)?, *altitude),
             Request::Bodies { run } => {
                 let run = self.present(*run)?;
                 body::surfaces(&run.loaded, run.bodies()?)

@@ -80,6 +80,10 @@ struct AgentShown {
     /// \[kg\] Of all, with what goes along.
     mass: f64,
     disks: Vec<[f64; 3]>,
+    /// \[m\] Bottom and top of each disk, in levels.
+    #[cfg_attr(feature = "typescript", ts(optional))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heights: Option<Vec<[f64; 2]>>,
     kind: Option<String>,
     /// \[m/s\] Desired speed, if somebody says it.
     speed: Option<f64>,
@@ -126,6 +130,7 @@ fn ends(of: &trial::Heights) -> [f64; 2] {
 pub(crate) fn of(run: &LabRun) -> Scene {
     let loaded = &run.loaded;
     let trial = &loaded.trial;
+    let in_levels = !run.loads.levels.is_empty();
     let agent = |(k, agent): (usize, &trial::Agent)| {
         // A Trial may show its disks at another orientation than 0.
         let disks = agent.disks_facing_x().into_iter();
@@ -135,6 +140,7 @@ pub(crate) fn of(run: &LabRun) -> Scene {
             id: agent.id.clone(),
             mass: agent.mass,
             disks: disks.map(|(place, radius)| [place.x, place.y, radius]).collect(),
+            heights: in_levels.then(|| agent.shapes.iter().map(|disk| ends(&disk.heights)).collect()),
             kind: agent.kind.clone(),
             speed: planned.or_else(|| made.map(|member| member.speed)),
             things: kinds::things(agent),
