@@ -4,7 +4,7 @@ import { effect, signal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { ByPlace, byPlace, mapKind } from "./byplace";
 import { Client, Stopped } from "./client";
-import { averaged, colourOf, meanWords, scaleOf, shade, values } from "./colour";
+import { averaged, colourOf, isKnown, meanWords, scaleOf, shade, values } from "./colour";
 import { inksOf, Painter, paintBar } from "./draw";
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
@@ -148,14 +148,15 @@ export function Beside({ now }: { now: Film }) {
             size.value;
             if (on.width === 0) return;
             const context = on.getContext("2d")!;
-            const { colour, unit } = plan.value;
+            const { unit } = plan.value;
+            const colour = colourOf(now, plan.value.colour);
             const place = frameOf(now, now.place.value, run);
             const main = canvas.value ?? on;
             const view: View = { ...shown.value, x: shown.value.x + (on.width - main.width) / 2, y: shown.value.y + (on.height - main.height) / 2 };
             const inks = inksOf(on);
             // Both have the colours of the one that is changed.
             const scale = scaleOf(now, colour);
-            const known = colourOf(run, colour) === colourOf(now, colour);
+            const known = isKnown(run, colour);
             const shades = Array.from(values(run, Math.floor(place), colour), (value) => shade(scale, known ? value : NaN));
             context.setTransform(1, 0, 0, 1, 0, 0);
             context.clearRect(0, 0, on.width, on.height);
