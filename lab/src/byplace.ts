@@ -125,7 +125,7 @@ export class ByPlace {
         const numbers = new Float64Array(3 * people * count);
         for (let j = 0; j < count; j++) {
             const k = this.#next + j * stride;
-            const squeeze = this.quantity === "squeeze" ? frames.squeezeMean(k, averaged(this.film)) : null;
+            const squeeze = this.quantity === "squeeze" ? frames.means(k, averaged(this.film)) : null;
             const frame = frames.frame(k);
             for (let a = 0; a < people; a++) {
                 const at = 3 * (j * people + a);

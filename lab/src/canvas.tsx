@@ -4,7 +4,7 @@ import { effect, signal, untracked } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { paintBackdrop, reachOfBackdrop } from "./backdrop";
 import { byPlace, mapKind, NAMES, pointed } from "./byplace";
-import { averaged, scaleOf, shade, values } from "./colour";
+import { averaged, colourOf, isForce, scaleOf, shade, values } from "./colour";
 import { type Inks, inksOf, label, Painter, paintBar, paintPush, paintWays } from "./draw";
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
@@ -18,6 +18,7 @@ import { menu, openMenu } from "./menu";
 import { brief, digits } from "./parts";
 import { plan } from "./plan";
 import { COLUMNS, isThere, type Point } from "./protocol";
+import { heightOf, sceneAt } from "./sections";
 import { film, selected } from "./session";
 import { paintStuck } from "./stuck";
 import { lineTool, type Pointer, type Tool, tool } from "./tool";
@@ -32,7 +33,8 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
     const element = useRef<HTMLCanvasElement>(null);
     const size = useMemo(() => signal(0), []);
     const inks = useRef<Inks | null>(null);
-    const painter = useMemo(() => new Painter(film.scene), [film]);
+    const height = heightOf(film);
+    const painter = useMemo(() => new Painter(sceneAt(film.scene, height)), [film, height]);
 
     const frame = () => {
         const now = film.frames.at(film.place.value);
@@ -55,7 +57,7 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
         picture(context, film, painter, frame(), layers, now, inks.current);
     };
     // Painted again when something changes that it reads. It has captured this film and these layers.
-    useEffect(() => effect(paint), [film, layers]);
+    useEffect(() => effect(paint), [film, layers, painter]);
     // Who is under the mouse is somebody else now.
     useEffect(() => () => (hovered.value = menu.value = null), [film]);
 
@@ -113,7 +115,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
             {
                 frame,
                 shades,
-                paths: kind === "section" ? layers.paths() : null,
+                paths: kind === "section" && heightOf(film) === null ? layers.paths() : null,
                 selected: selected.value,
                 overlapping: helper?.overlapping?.() ?? atStart,
                 faint: helper?.faint?.() ?? mapKind.value !== null,
@@ -168,9 +170,11 @@ function above(at: Point, up: number, down: number, now: View): Point {
 function told(film: Film, agent: number): string {
     const k = film.shown.value;
     const of = (column: number) => film.frames.number(k, agent, column);
-    const squeeze = film.frames.squeezeMean(k, averaged(film))[agent]!;
+    const squeeze = film.frames.means(k, averaged(film))[agent]!;
     const contacts = of(7);
-    const touching = count(contacts, "{n} contact", "{n} contacts");
+    let touching = count(contacts, "{n} contact", "{n} contacts");
+    const { colour } = plan.value;
+    if (colour !== "squeeze" && isForce(colourOf(film, colour))) touching += `, ${scaleOf(film, colour).label}: ${digits(values(film, k, colour)[agent]!, 3)} N`;
     return `${brief(film.scene.agents[agent]!.id)}: ${Math.hypot(of(3), of(4)).toFixed(2)} m/s, ${digits(squeeze, 3)} N, ${touching}`;
 }
 

@@ -12,7 +12,7 @@ import { count, t } from "./language";
 import { Choice, digits, named } from "./parts";
 import { change, type Plan, plan } from "./plan";
 import { grouped, groups, type Line, Plot } from "./plot";
-import type { Point } from "./protocol";
+import { CHEST, type Point } from "./protocol";
 import { selected } from "./session";
 import { lastOf } from "./transport";
 
@@ -57,7 +57,7 @@ export function Charts({ film }: { film: Film }) {
     const there = (k: number) => !Number.isNaN(frames.number(k, agent!, 0));
     const speed = (k: number) => (there(k) ? Math.hypot(frames.number(k, agent!, 3), frames.number(k, agent!, 4)) : NaN);
     const last = averaged(film);
-    const squeeze = (k: number) => (there(k) ? frames.meanOf(k, last, agent!, SQUEEZE) : NaN);
+    const force = (column: number) => (k: number) => (there(k) ? frames.meanOf(k, last, agent!, column) : NaN);
     const whole = digits(seconds.at(-1)!, 3);
 
     const { area, line } = plan.value;
@@ -94,6 +94,14 @@ export function Charts({ film }: { film: Film }) {
     const left = of("left");
     /** Nothing of nobody. */
     const ofThose = (value: (k: number) => number) => (k: number) => (left(k) < scene.agents.length ? value(k) : NaN);
+    /** Of all the greatest mean of a force, and that of who is selected. */
+    const greatest = (title: string, column: number) => {
+        const most = frames.greatestMean(last, column);
+        return curves(title, "N", 0, [
+            [{ label: t("Of all"), colour: "--two" }, ofThose((k) => most[k]!), "greatest"],
+            ...(agent === null ? [] : [[{ label: name, colour: "--three" }, force(column), "greatest"] as [Line, (k: number) => number, "greatest"]]),
+        ]);
+    };
     const charts: Record<Chart, () => ComponentChildren> = {
         speed: () =>
             curves(t("Speed"), "m/s", 2, [
@@ -101,13 +109,8 @@ export function Charts({ film }: { film: Film }) {
                 ...(agent === null ? [] : [[{ label: name, colour: "--three" }, speed, "mean"] as [Line, typeof speed, "mean"]]),
             ]),
         mean: () => curves(t("Mean squeeze"), "N", 0, [[{ label: t("Of all"), colour: "--one" }, ofThose(of("squeeze")), "mean"]]),
-        greatest: () => {
-            const greatest = frames.greatestMean(last);
-            return curves(t("Greatest squeeze ({mean})", { mean: meanWords(film) }), "N", 0, [
-                [{ label: t("Of all"), colour: "--two" }, ofThose((k) => greatest[k]!), "greatest"],
-                ...(agent === null ? [] : [[{ label: name, colour: "--three" }, squeeze, "greatest"] as [Line, typeof squeeze, "greatest"]]),
-            ]);
-        },
+        greatest: () => greatest(t("Greatest squeeze ({mean})", { mean: meanWords(film) }), SQUEEZE),
+        chest: () => scene.chests && greatest(t("Greatest load on a chest ({mean})", { mean: meanWords(film) }), CHEST),
         left: () => scene.leaving > 0 && curves(t("Have left"), t("people"), 0, [[{ label: t("People"), colour: "--one" }, left, "greatest"]]),
         density: () => area && inside && (
             <>
@@ -120,7 +123,7 @@ export function Charts({ film }: { film: Film }) {
         ),
         flow: () => line && <FlowChart film={film} line={line} ends={ends} end={end} />,
     };
-    const offered = CHARTS.filter(([key]) => (key === "left" ? scene.leaving > 0 : key === "density" ? area : key !== "flow" || line));
+    const offered = CHARTS.filter(([key]) => (key === "left" ? scene.leaving > 0 : key === "density" ? area : key === "chest" ? scene.chests : key !== "flow" || line));
     const chosen = plan.value.chart;
     const one = offered.some(([key]) => key === chosen);
     return (
@@ -135,6 +138,7 @@ type Chart = Exclude<Plan["chart"], "all">;
 const CHARTS: [Chart, string][] = [
     ["greatest", t("Greatest squeeze [N]")],
     ["mean", t("Mean squeeze [N]")],
+    ["chest", t("Load on a chest [N]")],
     ["speed", t("Speed [m/s]")],
     ["left", t("Have left [people]")],
     ["flow", t("Crossed the line")],

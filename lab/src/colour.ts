@@ -3,8 +3,10 @@
 import { signal } from "@preact/signals";
 import type { Film } from "./film";
 import { t } from "./language";
+import { SQUEEZE } from "./frames";
 import { type Colour, plan } from "./plan";
-import { COLUMNS } from "./protocol";
+import { CHEST, COLUMNS, LEVELS } from "./protocol";
+import { heightOf, levelAt } from "./sections";
 
 /** Colours of a scale, from its low end, equidistant. */
 export type Ramp = readonly string[];
@@ -64,7 +66,7 @@ function shadeOf([red, green, blue]: [number, number, number]): Shade {
 }
 
 /** The colour of the k-th kind: after seven, paler ones follow. Below 0: of no kind. */
-function kindShade(k: number): Shade {
+export function kindShade(k: number): Shade {
     const { colours, paper, none } = KINDS[dark.value ? "dark" : "light"];
     if (k < 0) return shadeOf(parts(none));
     const colour = parts(colours[k % colours.length]!);
@@ -80,9 +82,17 @@ export function kindsOf({ scene }: Film): string[] {
     return [...new Set(scene.agents.flatMap(({ kind }) => kind ?? []))].sort();
 }
 
-/** What is coloured: as chosen, unless there are no kinds. */
+/** Whether there are numbers for it. */
+export function isKnown(film: Film, colour: Colour): boolean {
+    const { chests, levels } = film.scene;
+    if (colour === "kind") return kindsOf(film).length > 0;
+    if (colour === "level") return levels.length > 1;
+    return chests || (colour !== "chest" && colour !== "compression");
+}
+
+/** What is coloured: as chosen, unless there is nothing of it. */
 export function colourOf(film: Film, colour: Colour): Colour {
-    return colour === "kind" && kindsOf(film).length === 0 ? "squeeze" : colour;
+    return isKnown(film, colour) ? colour : "squeeze";
 }
 
 export interface Scale {
@@ -99,9 +109,9 @@ export interface Scale {
     ramp: Ramp;
 }
 
-/** The colour of a value. */
+/** The colour of a value; of none, if it is no number. */
 export function shade({ low, high, ramp, kinds }: Scale, value: number): Shade {
-    if (kinds) return kinds[value]?.shade ?? kindShade(-1);
+    if (kinds || Number.isNaN(value)) return kinds?.[value]?.shade ?? kindShade(-1);
     const share = (value - low) / (high - low);
     return shadesOf(ramp)[Math.round(Math.max(0, Math.min(1, share)) * FINE)]!;
 }
@@ -123,7 +133,13 @@ const SCALES: Record<Exclude<Colour, "kind">, [string, string, number, number]> 
     speed: [t("Speed"), "m/s", 0, 0.5],
     squeeze: [t("Squeeze"), "N", 200, 400],
     contacts: [t("Contacts"), "", 0, 4],
+    chest: [t("Load on the chest"), "N", 200, 400],
+    compression: [t("Chest, front–back"), "N", 100, 200],
+    level: [t("Squeeze by level"), "N", 200, 400],
 };
+/** Means of forces, and their columns. A level, and a chest in it, has its part of the ends. */
+const FORCES: Partial<Record<Colour, number>> = { squeeze: SQUEEZE, chest: CHEST, compression: CHEST + 2, level: LEVELS };
+export const isForce = (colour: Colour) => colour in FORCES;
 /** The column of a frame. */
 const CONTACTS = 7;
 /** The automatic scale ends at this quantile of all values that are not 0, of people and frames. */
@@ -135,14 +151,19 @@ export function round(value: number, factors = [1, 1.5, 2, 3, 4, 5, 6, 8]) {
     return size * (factors.find((factor) => factor * size >= value) ?? 10);
 }
 
-/** What is coloured of each person, in a frame. */
+/** What is coloured of each person, in a frame; of levels the one that is drawn, or the greatest. */
 export function values(film: Film, k: number, wanted: Colour): Float64Array {
     const colour = colourOf(film, wanted);
     if (colour === "kind") {
         const kinds = kindsOf(film);
         return Float64Array.from(film.scene.agents, ({ kind }) => (kind === null ? -1 : kinds.indexOf(kind)));
     }
-    if (colour === "squeeze") return film.frames.squeezeMean(k, averaged(film));
+    if (colour === "level") {
+        const levels = byPart(film, k, colour);
+        const at = levelAt(film, heightOf(film) ?? -1);
+        return levels[at] ?? levels[0]!.map((_, a) => Math.max(...levels.map((level) => level[a]!)));
+    }
+    if (isForce(colour)) return film.frames.means(k, averaged(film), FORCES[colour]);
     const frame = film.frames.frame(k);
     const count = film.scene.agents.length;
     const found = new Float64Array(count);
@@ -151,6 +172,12 @@ export function values(film: Film, k: number, wanted: Colour): Float64Array {
         found[a] = colour === "speed" ? Math.hypot(frame[at + 3]!, frame[at + 4]!) : frame[at + CONTACTS]!;
     }
     return found;
+}
+
+/** The same; of levels, those of each. */
+export function byPart(film: Film, k: number, wanted: Colour): Float64Array[] {
+    if (colourOf(film, wanted) !== "level") return [values(film, k, wanted)];
+    return film.scene.levels.map((_, level) => film.frames.means(k, averaged(film), LEVELS + level));
 }
 
 /** How often values were: counts in bins whose width grows with the value, by 2 %. */
@@ -165,15 +192,17 @@ class Spread {
 
     add(film: Film, colour: Colour, computed: number) {
         for (; this.#seen < computed; this.#seen++) {
-            for (const value of values(film, this.#seen, colour)) {
-                // Also of those who have left, it is no number.
-                if (!(value > 0)) continue;
-                if (value > this.largest) this.largest = value;
-                const bin = Math.floor((Math.log2(value) - Spread.#FIRST) * Spread.#PER_OCTAVE);
-                this.#counts[Math.max(0, Math.min(bin, this.#counts.length - 1))]! += 1;
-                this.#count += 1;
-            }
+            for (const of of byPart(film, this.#seen, colour)) for (const value of of) this.#add(value);
         }
+    }
+
+    #add(value: number) {
+        // Also of those who have left, it is no number.
+        if (!(value > 0)) return;
+        if (value > this.largest) this.largest = value;
+        const bin = Math.floor((Math.log2(value) - Spread.#FIRST) * Spread.#PER_OCTAVE);
+        this.#counts[Math.max(0, Math.min(bin, this.#counts.length - 1))]! += 1;
+        this.#count += 1;
     }
 
     /** The upper end of the bin in which the quantile is. */
@@ -189,7 +218,7 @@ const spreads = new WeakMap<Film, Map<string, Spread>>();
 function spreadOf(film: Film, colour: Colour): Spread {
     const of = spreads.get(film) ?? new Map<string, Spread>();
     spreads.set(film, of);
-    const key = `${colour} ${colour === "squeeze" ? plan.value.smooth : ""}`;
+    const key = `${colour} ${isForce(colour) ? plan.value.smooth : ""}`;
     const spread = of.get(key) ?? new Spread();
     of.set(key, spread);
     spread.add(film, colour, film.computed.value);
@@ -204,9 +233,11 @@ export function scaleOf(film: Film, wanted: Colour): Scale {
         const kinds = kindsOf(film).map((name, k) => ({ name, count: count(name), shade: kindShade(k) }));
         return { kinds, label: t("Kind"), unit: "", low: 0, high: kinds.length, largest: 0, ramp: kinds.map(({ shade }) => shade.fill) };
     }
-    const [label, unit, low, least] = SCALES[colour];
+    const [label, unit, whole, least] = SCALES[colour];
+    const part = isForce(colour) && colour !== "squeeze" ? Math.max(1, film.scene.levels.length) : 1;
+    const low = part > 1 ? round(whole / part) : whole;
     const spread = spreadOf(film, colour);
-    const high = plan.value.most[colour] ?? round(Math.max(least, spread.quantile(QUANTILE)));
-    const ramp = colour === "squeeze" ? FROM_GREY[dark.value ? "dark" : "light"] : VIRIDIS;
+    const high = plan.value.most[colour] ?? round(Math.max(least / part, spread.quantile(QUANTILE)));
+    const ramp = isForce(colour) ? FROM_GREY[dark.value ? "dark" : "light"] : VIRIDIS;
     return { label, unit, low: Math.min(low, high / 2), high, largest: spread.largest, ramp };
 }

@@ -20,7 +20,7 @@ import {
     Vector2,
     Vector3,
 } from "three";
-import { round, type Scale, shade, THINGS } from "./colour";
+import { kindShade, round, type Scale, shade, THINGS } from "./colour";
 import { isOpen } from "./draw";
 import { type Bodies, COLUMNS, isThere, type Scene } from "./protocol";
 import { free, setColour, type Space } from "./space";
@@ -49,12 +49,30 @@ function spacing(size: number) {
     return round(size / 100, [1, 2, 5]);
 }
 
+/** A material with another colour at each level, up to the pixel; its own is above and below them. */
+function banded(levels: Scene["levels"], bands: Color[]): MeshLambertMaterial {
+    const material = new MeshLambertMaterial();
+    const count = levels.length;
+    if (count === 0) return material;
+    material.onBeforeCompile = (shader) => {
+        Object.assign(shader.uniforms, { ends: { value: levels.map(([bottom, top]) => new Vector2(bottom, top)) }, bands: { value: bands } });
+        const begin = "void main() {";
+        shader.vertexShader = shader.vertexShader.replace(begin, `varying float height;\n${begin}\nheight = position.z;`);
+        shader.fragmentShader = shader.fragmentShader
+            .replace(begin, `varying float height;\nuniform vec2 ends[${count}];\nuniform vec3 bands[${count}];\n${begin}`)
+            .replace("#include <color_fragment>", `for (int k = 0; k < ${count}; k++) if (height >= ends[k].x && height < ends[k].y) diffuseColor.rgb = bands[k];`);
+    };
+    return material;
+}
+
 export class Crowd3d {
     /** All walls, people at the start, and where they walk to. */
     readonly box: Box3;
     /** Distance of the lines on the ground, in m. */
     readonly grid: number;
     #bodies: Mesh<BufferGeometry, MeshLambertMaterial>[] = [];
+    /** Of each body the colours of its levels. */
+    #bands: Color[][] = [];
     #fills: string[] = [];
     #still = new Group();
     /** Walls that open, each with what is drawn of it while it is closed. */
@@ -128,7 +146,9 @@ export class Crowd3d {
     dress(bodies: Bodies, bytes: ArrayBuffer) {
         let at = 0;
         for (const [vertices, triangles] of bodies.agents) {
-            const body = new Mesh(surface(bytes, at, vertices, triangles), new MeshLambertMaterial());
+            const bands = this.scene.levels.map(() => new Color());
+            this.#bands.push(bands);
+            const body = new Mesh(surface(bytes, at, vertices, triangles), banded(this.scene.levels, bands));
             at += 12 * (vertices + triangles);
             this.#bodies.push(body);
             this.space.scene.add(body);
@@ -146,8 +166,8 @@ export class Crowd3d {
         this.#fills = this.#bodies.map(() => "");
     }
 
-    /** Places and colours them at a time in s. */
-    place(frame: Float32Array, values: Float64Array, scale: Scale, selected: number | null, time: number) {
+    /** Places and colours them at a time in s: of each a value, or one for each level. */
+    place(frame: Float32Array, values: Float64Array[], scale: Scale, selected: number | null, time: number) {
         for (const { wall, parts } of this.#doors) for (const part of parts) part.visible = !isOpen(wall.open, time);
         this.#bodies.forEach((body, a) => {
             const at = COLUMNS * a;
@@ -155,10 +175,12 @@ export class Crowd3d {
             if (!body.visible) return;
             body.position.set(frame[at]!, frame[at + 1]!, 0);
             body.rotation.z = frame[at + 2]!;
-            const { fill } = shade(scale, values[a]!);
-            if (fill === this.#fills[a]) return;
-            this.#fills[a] = fill;
-            body.material.color.copy(this.#colour(fill));
+            const fills = values.map((of) => shade(scale, of[a]!).fill);
+            const all = fills.join();
+            if (all === this.#fills[a]) return;
+            this.#fills[a] = all;
+            body.material.color.copy(this.#colour(fills.length > 1 ? kindShade(-1).fill : all));
+            this.#bands[a]!.forEach((band, k) => band.copy(this.#colour(fills[k] ?? all)));
         });
         this.#mark.visible = selected !== null && isThere(frame, selected);
         if (selected !== null && this.#mark.visible) this.#mark.position.set(frame[COLUMNS * selected]!, frame[COLUMNS * selected + 1]!, 0.01);

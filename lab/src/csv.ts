@@ -3,10 +3,10 @@
 import { averaged } from "./colour";
 import type { Film } from "./film";
 import { meanFlow } from "./flow";
-import type { Curve } from "./frames";
+import { type Curve, SQUEEZE } from "./frames";
 import { save } from "./parts";
 import { scene } from "./plan";
-import { COLUMNS, type Point } from "./protocol";
+import { CHEST, COLUMNS, type Point } from "./protocol";
 import { away } from "./roomshape";
 import { VERSION } from "./version";
 
@@ -51,15 +51,16 @@ export function curvesCsv(film: Film, agent: number | null): string {
     const { frames } = film;
     const curve = (name: Curve, k: number) => frames.curve(name)[k]!;
     const means = frames.greatestMean(averaged(film));
+    const chests = film.scene.chests ? frames.greatestMean(averaged(film), CHEST) : null;
     const over = Number((averaged(film) * film.scene.step).toPrecision(6));
     const id = agent === null ? "" : film.scene.agents[agent]!.id;
-    const own = agent === null ? [] : [`speed_of_${id} [m/s]`, `squeeze_of_${id} [N]`];
-    const rows: (string | number)[][] = [["t [s]", "mean_speed [m/s]", "mean_squeeze [N]", "greatest_squeeze [N]", `greatest_mean_of_${over}_s [N]`, "mean_contacts", "left", ...own]];
+    const own = agent === null ? [] : [`speed_of_${id} [m/s]`, `squeeze_of_${id} [N]`, ...(chests ? [`chest_of_${id} [N]`] : [])];
+    const rows: (string | number)[][] = [["t [s]", "mean_speed [m/s]", "mean_squeeze [N]", "greatest_squeeze [N]", `greatest_mean_of_${over}_s [N]`, "mean_contacts", "left", ...(chests ? [`greatest_chest_mean_of_${over}_s [N]`] : []), ...own]];
     for (let k = 0; k <= film.reached.value; k++) {
-        const row = [time(film, k), curve("speed", k), curve("squeeze", k), curve("greatest", k), means[k]!, curve("contacts", k), curve("left", k)];
+        const row = [time(film, k), curve("speed", k), curve("squeeze", k), curve("greatest", k), means[k]!, curve("contacts", k), curve("left", k), ...(chests ? [chests[k]!] : [])];
         if (agent !== null) {
-            const there = !Number.isNaN(frames.number(k, agent, 0));
-            row.push(there ? Math.hypot(frames.number(k, agent, 3), frames.number(k, agent, 4)) : NaN, there ? frames.number(k, agent, 6) : NaN);
+            const of = (column: number) => (Number.isNaN(frames.number(k, agent, 0)) ? NaN : frames.number(k, agent, column));
+            row.push(Math.hypot(of(3), of(4)), of(SQUEEZE), ...(chests ? [of(CHEST)] : []));
         }
         rows.push(row);
     }

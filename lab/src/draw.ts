@@ -199,6 +199,7 @@ export class Painter {
         inMetres(context, view);
         context.beginPath();
         for (let k = 0; k < frame.length; k += COLUMNS) {
+            if (!this.scene.agents[k / COLUMNS]!.disks.length) continue;
             const [x, y, turn] = [frame[k]!, frame[k + 1]!, frame[k + 2]!];
             const [cos, sin] = [Math.cos(turn), Math.sin(turn)];
             context.moveTo(x + 0.03 * cos + 0.06 * sin, y + 0.03 * sin - 0.06 * cos);

@@ -56,7 +56,7 @@ export class Film {
         first: ArrayBuffer,
     ) {
         this.overlaps = [scene.overlap];
-        this.frames = new Frames(scene.agents.length);
+        this.frames = new Frames(scene.agents.length, scene.further);
         this.frames.add(new Float64Array(first), 1);
         this.#generation = client.generation;
         this.#look();

@@ -18,37 +18,40 @@ export type Curve = (typeof CURVES)[number];
 export class Frames {
     /** How many there are. */
     count = 0;
-    /** Numbers of a frame. */
+    /** Numbers of a frame, and of it with those that may follow, column by column. */
     readonly length: number;
+    readonly #whole: number;
     readonly #perBlock: number;
     #blocks: Float32Array[] = [];
     #curves: Record<Curve, Float32Array>;
     /** The frame that was asked for last: most are asked for several times. */
     #last: { k: number; numbers: Float32Array } = { k: -1, numbers: new Float32Array() };
     readonly #between: Float32Array;
-    readonly #means: Float64Array;
+    /** Means of columns, with their frame and how many before it they are over. */
+    #means = new Map<number, { k: number; last: number; means: Float64Array }>();
     /** Sums over so many of the last frames, for the greatest mean of each frame. */
-    #running = new Map<number, { sums: Float64Array; greatest: number[] }>();
-    /** The frame of these means, and how many before it they are over. */
-    #meansOf: [number, number] = [-1, 0];
+    #running = new Map<string, { sums: Float64Array; greatest: number[] }>();
 
-    constructor(readonly agents: number) {
+    constructor(
+        readonly agents: number,
+        further: number,
+    ) {
         this.length = COLUMNS * agents;
-        this.#perBlock = Math.max(1, Math.floor(BLOCK_BYTES / (4 * Math.max(1, this.length))));
+        this.#whole = this.length + further * agents;
+        this.#perBlock = Math.max(1, Math.floor(BLOCK_BYTES / (4 * Math.max(1, this.#whole))));
         const curve = () => new Float32Array(1024);
         this.#curves = { speed: curve(), squeeze: curve(), greatest: curve(), contacts: curve(), left: curve() };
         this.#between = new Float32Array(this.length);
-        this.#means = new Float64Array(agents);
     }
 
     /** What a frame occupies. */
     get bytes() {
-        return 4 * this.length + 4 * CURVES.length;
+        return 4 * this.#whole + 4 * CURVES.length;
     }
 
     /** Appends so many frames, which lie one after the other. */
     add(numbers: Float64Array, count: number) {
-        const { length } = this;
+        const length = this.#whole;
         for (let k = 0; k < count; k++) {
             const place = this.count % this.#perBlock;
             if (place === 0) this.#blocks.push(new Float32Array(this.#perBlock * length));
@@ -101,16 +104,24 @@ export class Frames {
     frame(k: number): Float32Array {
         const place = Math.max(0, Math.min(k, this.count - 1));
         if (this.#last.k !== place) {
-            const start = (place % this.#perBlock) * this.length;
-            const block = this.#blocks[Math.floor(place / this.#perBlock)]!;
-            this.#last = { k: place, numbers: block.subarray(start, start + this.length) };
+            this.#last = { k: place, numbers: this.#all(place).subarray(0, this.length) };
         }
         return this.#last.numbers;
     }
 
+    #all(k: number): Float32Array {
+        const start = (k % this.#perBlock) * this.#whole;
+        return this.#blocks[Math.floor(k / this.#perBlock)]!.subarray(start, start + this.#whole);
+    }
+
+    /** Where a column begins in a frame, and how far it is from agent to agent. */
+    #column(column: number): [start: number, stride: number] {
+        return column < COLUMNS ? [column, COLUMNS] : [column * this.agents, 1];
+    }
+
     number(k: number, agent: number, column: number): number {
-        const start = (k % this.#perBlock) * this.length;
-        return this.#blocks[Math.floor(k / this.#perBlock)]![start + COLUMNS * agent + column]!;
+        const [start, stride] = this.#column(column);
+        return this.#blocks[Math.floor(k / this.#perBlock)]![(k % this.#perBlock) * this.#whole + start + stride * agent]!;
     }
 
     /** Between two frames: poses in proportion (angles are not wrapped), the rest as in the earlier one. Valid until the
@@ -134,24 +145,26 @@ export class Frames {
         return out;
     }
 
-    /** For each agent the mean squeeze of the last frames up to `k`. Valid until the next call. */
-    squeezeMean(k: number, last: number): Float64Array {
-        if (this.#meansOf[0] === k && this.#meansOf[1] === last) return this.#means;
-        this.#meansOf = [k, last];
-        const means = this.#means.fill(0);
+    /** For each agent the mean of the last frames up to `k`, of squeeze or another column. Valid until the next call of the same. */
+    means(k: number, last: number, column = SQUEEZE): Float64Array {
+        const known = this.#means.get(column);
+        if (known?.k === k && known.last === last) return known.means;
+        const means = known?.means.fill(0) ?? new Float64Array(this.agents);
+        this.#means.set(column, { k, last, means });
+        const [first, stride] = this.#column(column);
         // In the first frame, no step was computed yet.
         const from = Math.min(k, Math.max(1, k - last + 1));
         for (let j = from; j <= k; j++) {
-            const start = (j % this.#perBlock) * this.length + SQUEEZE;
+            const start = (j % this.#perBlock) * this.#whole + first;
             const block = this.#blocks[Math.floor(j / this.#perBlock)]!;
-            for (let a = 0; a < this.agents; a++) means[a]! += block[start + COLUMNS * a]!;
+            for (let a = 0; a < this.agents; a++) means[a]! += block[start + stride * a]!;
         }
         for (let a = 0; a < this.agents; a++) means[a]! /= k - from + 1;
         return means;
     }
 
-    /** Such a mean of one agent's squeeze, or of the part by walls. */
-    meanOf(k: number, last: number, agent: number, column: typeof SQUEEZE | typeof BY_WALLS): number {
+    /** Such a mean of one agent. */
+    meanOf(k: number, last: number, agent: number, column: number): number {
         const from = Math.min(k, Math.max(1, k - last + 1));
         let sum = 0;
         for (let j = from; j <= k; j++) sum += this.number(j, agent, column);
@@ -159,8 +172,8 @@ export class Frames {
     }
 
     /** In each frame the greatest of these means. */
-    greatestMean(last: number): Float32Array {
-        return Float32Array.from(this.#greatest(last));
+    greatestMean(last: number, column = SQUEEZE): Float32Array {
+        return Float32Array.from(this.#greatest(last, column));
     }
 
     /** Everybody's squeeze in frames, from one to before another: not a number for who has left. */
@@ -177,19 +190,20 @@ export class Frames {
     /** The frame that is in a mean of the last ones no more, when another one comes: the first one, without a step, is in no
      * mean but its own. */
     #gone(k: number, last: number): Float32Array | null {
-        return k - last >= 1 ? this.frame(k - last) : k === 1 ? this.frame(0) : null;
+        return k - last >= 1 ? this.#all(k - last) : k === 1 ? this.#all(0) : null;
     }
 
-    #greatest(last: number): number[] {
-        const running = this.#running.get(last) ?? { sums: new Float64Array(this.agents), greatest: [] };
-        this.#running.set(last, running);
+    #greatest(last: number, column = SQUEEZE): number[] {
+        const [key, [first, stride]] = [`${last} ${column}`, this.#column(column)];
+        const running = this.#running.get(key) ?? { sums: new Float64Array(this.agents), greatest: [] };
+        this.#running.set(key, running);
         const { sums, greatest } = running;
         for (let k = greatest.length; k < this.count; k++) {
             const gone = this.#gone(k, last);
-            const come = this.frame(k);
+            const come = this.#all(k);
             let most = 0;
             for (let a = 0; a < this.agents; a++) {
-                const at = COLUMNS * a + SQUEEZE;
+                const at = first + stride * a;
                 sums[a]! += come[at]! - (gone ? gone[at]! : 0);
                 // Who has left is pressed by nobody.
                 if (sums[a]! > most && !Number.isNaN(come[COLUMNS * a]!)) most = sums[a]!;

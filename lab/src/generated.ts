@@ -10,7 +10,7 @@ export type AboveLimit = { people: number, first: number | null, who: number, lo
 export type Advanced = { overlaps: Array<number>, arrived: Array<number>, };
 
 /** An agent of a scene. */
-export type AgentShown = { id: string, mass: number, disks: Array<[number, number, number]>, kind: string | null, speed: number | null, things: Array<string | null> | null, seated: Array<[number, number, number]> | null, };
+export type AgentShown = { id: string, mass: number, disks: Array<[number, number, number]>, heights?: Array<[number, number]>, kind: string | null, speed: number | null, things: Array<string | null> | null, seated: Array<[number, number, number]> | null, };
 
 /** How people who stand keep their balance. */
 export type BalanceName = "none" | "pendulum" | "two-level";
@@ -151,7 +151,7 @@ export type PersonRequest = { sex: Sex, breadth: number | null, depth: number | 
 export type PersonShown = { sex: Sex, measures: Array<MeasureShown>, disks: Array<[number, number, number]>, area: number, inertia: number, surveyed: number, sections: Array<Array<[number, number]>> | null, };
 
 /** How a picture is drawn. */
-export type PictureStyle = { range: [number, number], beyond: boolean, from_grey: boolean, label: string, unit: string, time: number, forces: boolean, by_kind: boolean, };
+export type PictureStyle = { range: [number, number], beyond: boolean, from_grey: boolean, label: string, unit: string, time: number, forces: boolean, height?: number, by_kind: boolean, };
 
 /** How a crowd was placed. */
 export type PlacedCrowd = { density: number, area: number, iterations: number, largest_overlap: number, statistics: CrowdStatistics, };
@@ -191,7 +191,7 @@ export type Rotational = { time_gap: number, standstill_gap: number, reaction_ti
 export type Scenario = { box: Pair | null, geometry: string | null, drawing: DrawingForm, room: Room | null, doors: Array<Array<number>>, regions: Array<RegionForm>, grounds: Array<GroundForm>, links: Array<LinkForm>, sources: Array<SourceForm>, number: number | null, density: number | null, seed: number | null, people: People, men: number | null, pedestrians: number | null, mix: Record<string, number | "rest">, packing: Method, orientation: OrientationName | null, direction: number | null, allow_overlap: boolean, material: string | null, friction: number | null, round: boolean, levels: LevelsForm | null, time_step: number | null, panel_length: number | null, speed: number | null, leave: boolean, pushes: Array<Push>, decision: DecisionConfig, };
 
 /** A scene. */
-export type Scene = { run: number, name: string, agents: Array<AgentShown>, kinds: { [key in string]: Array<string> }, walls: Array<WallShown>, grounds: Array<Array<[number, number]>>, links: Array<Array<[number, number]>>, step: number, mechanical_step: number, stable: number | null, longest: number | null, advised: number | null, error: number | null, warnings: Array<Message>, materials: Array<Material2d>, contacts: Array<Contact<number>>, overlapping: Array<number>, overlap: number, pushed: Array<string>, walk: boolean, ways: Array<Array<Waypoint>>, targets: Array<Target>, leaving: number, beyond_doors: Array<[[number, number], [number, number]]>, people: Array<PersonDrawn | null> | null, };
+export type Scene = { run: number, name: string, agents: Array<AgentShown>, kinds: { [key in string]: Array<string> }, walls: Array<WallShown>, grounds: Array<Array<[number, number]>>, links: Array<Array<[number, number]>>, step: number, mechanical_step: number, stable: number | null, longest: number | null, advised: number | null, error: number | null, warnings: Array<Message>, materials: Array<Material2d>, contacts: Array<Contact<number>>, chests: boolean, levels: Array<[number, number]>, further: number, overlapping: Array<number>, overlap: number, pushed: Array<string>, walk: boolean, ways: Array<Array<Waypoint>>, targets: Array<Target>, leaving: number, beyond_doors: Array<[[number, number], [number, number]]>, people: Array<PersonDrawn | null> | null, };
 
 /** A section. */
 export type Section = { heading: Message, blocks: Array<Block>, };
@@ -224,7 +224,7 @@ export type Understood = { room: Room | null, exits: Array<ExitFound>, distribut
 export type WalkingModelName = "rotational" | "collision-free-speed" | "social-force" | "straight";
 
 /** A wall of a scene. */
-export type WallShown = { id: string, corners: Array<[number, number]>, open?: Array<[number, number]>, };
+export type WallShown = { id: string, corners: Array<[number, number]>, open?: Array<[number, number]>, heights?: [number, number], };
 
 /** A way-point. */
 export type Waypoint = { x: number, y: number, radius: number, };

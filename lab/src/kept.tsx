@@ -4,7 +4,7 @@ import { effect, signal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { ByPlace, byPlace, mapKind } from "./byplace";
 import { Client, Stopped } from "./client";
-import { averaged, meanWords, scaleOf, shade, values } from "./colour";
+import { averaged, colourOf, isKnown, meanWords, scaleOf, shade, values } from "./colour";
 import { inksOf, Painter, paintBar } from "./draw";
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
@@ -17,6 +17,7 @@ import { mixWords } from "./mix";
 import { Button, digits, named } from "./parts";
 import { type Made, plan, scene } from "./plan";
 import type { Opened, OpenTime } from "./protocol";
+import { heightOf, sceneAt } from "./sections";
 import { film, sent } from "./session";
 import { walkingSeed } from "./sweep";
 import type { View } from "./view";
@@ -137,7 +138,8 @@ function useMap() {
 export function Beside({ now }: { now: Film }) {
     const element = useRef<HTMLCanvasElement>(null);
     const run = kept.value!.film;
-    const painter = useMemo(() => new Painter(run.scene), [run]);
+    const height = heightOf(run);
+    const painter = useMemo(() => new Painter(sceneAt(run.scene, height)), [run, height]);
     const { map, refused } = useMap();
     useEffect(() => {
         const on = element.current!;
@@ -146,14 +148,16 @@ export function Beside({ now }: { now: Film }) {
             size.value;
             if (on.width === 0) return;
             const context = on.getContext("2d")!;
-            const { colour, unit } = plan.value;
+            const { unit } = plan.value;
+            const colour = colourOf(now, plan.value.colour);
             const place = frameOf(now, now.place.value, run);
             const main = canvas.value ?? on;
             const view: View = { ...shown.value, x: shown.value.x + (on.width - main.width) / 2, y: shown.value.y + (on.height - main.height) / 2 };
             const inks = inksOf(on);
             // Both have the colours of the one that is changed.
             const scale = scaleOf(now, colour);
-            const shades = Array.from(values(run, Math.floor(place), colour), (value) => shade(scale, value));
+            const known = isKnown(run, colour);
+            const shades = Array.from(values(run, Math.floor(place), colour), (value) => shade(scale, known ? value : NaN));
             context.setTransform(1, 0, 0, 1, 0, 0);
             context.clearRect(0, 0, on.width, on.height);
             const [kind, places] = [mapKind.value, map.value];
@@ -170,7 +174,7 @@ export function Beside({ now }: { now: Film }) {
             end();
             paint();
         };
-    }, [run, now]);
+    }, [run, now, painter]);
     const { facts: all } = kept.value!;
     const drag = ({ buttons, movementX, movementY }: PointerEvent) => {
         if (buttons === 1) look({ ...shown.value, x: shown.value.x + movementX * devicePixelRatio, y: shown.value.y + movementY * devicePixelRatio });

@@ -2,12 +2,12 @@
 
 import { useId } from "preact/hooks";
 import { type Kind, NAMES } from "./byplace";
-import { colourOf, kindsOf, meanWords, QUANTILE, type Scale, scaleOf, THINGS } from "./colour";
+import { colourOf, isForce, isKnown, kindShade, meanWords, QUANTILE, type Scale, scaleOf, THINGS } from "./colour";
 import type { Film } from "./film";
 import { type Plain, t } from "./language";
 import { beat } from "./layout";
 import { KindName } from "./mix";
-import { Check, Choice, digits, NumberField } from "./parts";
+import { Check, Choice, digits, length, NumberField } from "./parts";
 import { type Colour, change, type Plan, plan } from "./plan";
 
 const COLOURED: [Colour, string][] = [
@@ -15,6 +15,9 @@ const COLOURED: [Colour, string][] = [
     ["squeeze", t("Squeeze")],
     ["contacts", t("Contacts")],
     ["kind", t("Kind")],
+    ["chest", t("Load on the chest")],
+    ["compression", t("Chest, front–back")],
+    ["level", t("Squeeze by level")],
 ];
 const MAPS: [Plan["map"], string][] = [["none", t("none")], ...(Object.entries(NAMES) as [Kind, Plain][]).map(([kind, name]): [Kind, string] => [kind, t(name)])];
 const MEANS: [string, string][] = [
@@ -33,7 +36,7 @@ export function Legend({ film }: { film: Film }) {
     else film.computed.value;
     const { most, smooth, map, view } = plan.value;
     const colour = colourOf(film, plan.value.colour);
-    const choices = kindsOf(film).length > 0 ? COLOURED : COLOURED.filter(([key]) => key !== "kind");
+    const choices = COLOURED.filter(([key]) => isKnown(film, key));
     const scale = scaleOf(film, colour);
     const fixed = most[colour] !== null;
     const fix = (value: number | null) => change({ most: { ...most, [colour]: value } });
@@ -42,9 +45,14 @@ export function Legend({ film }: { film: Film }) {
         <div class="legend">
             <Choice label={t("Colour")} value={colour} choices={choices} onChange={(next) => change({ colour: next })} />
             {view !== "3d" && <Choice label={t("Map")} value={map} choices={MAPS} onChange={(next) => change({ map: next })} />}
-            {(colour === "squeeze" || map === "mean" || map === "greatest") && <Choice label={t("mean of")} value={String(smooth)} choices={MEANS} onChange={(next) => change({ smooth: Number(next) })} />}
+            {(isForce(colour) || map === "mean" || map === "greatest") && <Choice label={t("mean of")} value={String(smooth)} choices={MEANS} onChange={(next) => change({ smooth: Number(next) })} />}
             {scale.kinds ? <Kinds kinds={scale.kinds} /> : <Numeric scale={scale} more={more} />}
             <Things film={film} />
+            {colour === "level" && view === "3d" && (
+                <span>
+                    <span class="swatch" style={{ background: kindShade(-1).fill }} /> {t("in no level")}
+                </span>
+            )}
             {/* Opened, it lies over the picture and moves nothing. */}
             {!scale.kinds && <details class="about">
                 <summary>{t("About this scale")}</summary>
@@ -55,7 +63,7 @@ export function Legend({ film }: { film: Film }) {
                     </p>
                     <Check label={t("Fix this scale")} value={fixed} onChange={(on) => fix(on ? scale.high : null)} />
                     {fixed && <NumberField label={t("Upper end")} unit={scale.unit} value={scale.high} min={1e-3} max={1e7} step={1e-3} onChange={fix} />}
-                    {colour === "squeeze" && <Squeeze film={film} />}
+                    {colour === "squeeze" ? <Squeeze film={film} /> : isForce(colour) && <Parts film={film} colour={colour} />}
                 </div>
             </details>}
         </div>
@@ -115,6 +123,22 @@ export function Bar({ scale: { ramp } }: { scale: Scale }) {
             </linearGradient>
             <rect width="100" height="10" fill={`url(#${id})`} />
         </svg>
+    );
+}
+
+/** What the load on parts of people is. */
+function Parts({ film, colour }: { film: Film; colour: Colour }) {
+    const mean = meanWords(film);
+    const ends = film.scene.levels.map((level) => level.map((end) => length(end, plan.value.unit)).join("–")).join(", ");
+    if (colour === "level") {
+        return <p>{t("The squeeze of a level is the sum of the normal forces on a person's disks there, at communication points ({mean}). Levels: {ends}. In 3D each level of a body has its own colour, and grey is in none. From above people have the colour of their greatest one, at a height that of the level there.", { mean, ends })}</p>;
+    }
+    return (
+        <>
+            {colour === "chest" && <p>{t("The load on the chest is the sum of the normal forces on it, of people and walls, from all sides ({mean}).", { mean })}</p>}
+            {colour === "compression" && <p>{t("Opposing forces press the chest together along the gaze: two that press with F each count as F ({mean}). A chest that is pulled apart has the first colour.", { mean })}</p>}
+            <p>{ends ? t("Of people in levels, the chest has the forces of the level that holds it. Who has no disks there, as in a wheelchair, has 0.") : t("In the plan the chest is the whole body: it has all forces.")}</p>
+        </>
     );
 }
 

@@ -15,7 +15,7 @@ import { MechanicsForm } from "./mechanics";
 import { KindName } from "./mix";
 import { brief, Button, Choice, digits, Facts, length } from "./parts";
 import { change, plan } from "./plan";
-import { COLUMNS, FEET, isChild, isThere, type MeasureShown, type PersonRequest, type PersonShown } from "./protocol";
+import { CHEST, COLUMNS, FEET, isChild, isThere, LEVELS, type MeasureShown, type PersonRequest, type PersonShown } from "./protocol";
 import { selected } from "./session";
 import { Stuck } from "./stuck";
 
@@ -100,10 +100,22 @@ function ofPerson(film: Film, k: number, a: number): Rows {
     if (there) {
         rows.push(
             [t("Speed"), `${Math.hypot(of(3), of(4)).toFixed(2)} m/s`],
-            [t("Squeeze, {mean}", { mean: meanWords(film, k) }), newtons(film.frames.squeezeMean(k, averaged(film))[a]!), t("Sum of the normal forces on the person, from all sides")],
+            [t("Squeeze, {mean}", { mean: meanWords(film, k) }), newtons(film.frames.means(k, averaged(film))[a]!), t("Sum of the normal forces on the person, from all sides")],
         );
         const byWalls = film.frames.meanOf(k, averaged(film), a, BY_WALLS);
         if (byWalls >= 0.5) rows.push([t("Of it by walls"), newtons(byWalls), t("The part of the squeeze that walls exert")]);
+        const mean = (column: number) => film.frames.meanOf(k, averaged(film), a, column);
+        if (film.scene.chests) {
+            rows.push([t("Load on the chest"), newtons(mean(CHEST)), t("Sum of the normal forces on the chest, from all sides")]);
+            if (mean(CHEST + 1) >= 0.5) rows.push([t("On the chest by walls"), newtons(mean(CHEST + 1)), t("The part of the load on the chest that walls exert")]);
+            rows.push(
+                [t("Chest, front–back"), newtons(mean(CHEST + 2)), t("What presses the chest together along the gaze; below 0, it is pulled apart")],
+                [t("Chest, side–side"), newtons(mean(CHEST + 3)), t("What presses the chest together across the gaze; below 0, it is pulled apart")],
+                [t("Chest, from all sides"), newtons(mean(CHEST + 4)), t("What presses the chest together at least, in any direction; below 0, it is pulled apart in one")],
+            );
+        }
+        const { levels } = film.scene;
+        if (levels.length > 1) rows.push([t("Squeeze by level"), `${levels.map((_, level) => newtons(mean(LEVELS + level)).slice(0, -2)).join(" · ")} N`, t("Of the normal forces on each level, from the lowest to the highest: means of communication points")]);
         rows.push([t("Contacts"), String(of(7)), t("Disks of others and walls that the person's disks touch")]);
         if (!Number.isNaN(of(FEET))) rows.push([t("Lean"), length(Math.hypot(of(0) - of(FEET), of(1) - of(FEET + 1)), unit), t("From the middle of the feet to the centre of mass, seen from above")]);
     }

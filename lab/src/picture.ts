@@ -6,8 +6,9 @@ import type { Film } from "./film";
 import { t } from "./language";
 import { kindWords } from "./kindwords";
 import { empty } from "./layout";
-import { digits } from "./parts";
+import { digits, length } from "./parts";
 import { plan } from "./plan";
+import { heightOf } from "./sections";
 
 /** Height of the line below the picture, for a screen with one pixel per pixel of CSS. */
 const FOOT = 30;
@@ -33,8 +34,10 @@ export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: 
     const [kind, places] = [mapKind.value, byPlace.value];
     const map = kind && places?.filled.value ? places : null;
     const { context, width, line, ink } = begin(onto, from, map ? 2 : 1);
-    const time = `${(film.place.value * film.scene.step).toFixed(2)} s`;
-    const { colour } = plan.value;
+    const { colour, unit } = plan.value;
+    const height = heightOf(film);
+    const at = height === null ? "" : `, ${t("{length} above the ground", { length: length(height, unit) })}`;
+    const time = `${(film.place.value * film.scene.step).toFixed(2)} s${at}`;
     row(context, map ? t("People at {time}", { time }) : time, scaleOf(film, colour), width, line(0), ink);
     if (map) row(context, map.words(), map.scale(kind!), width, line(1), ink);
 }

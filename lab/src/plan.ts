@@ -18,7 +18,7 @@ export interface Made {
 }
 
 export const TABS = ["start", "room", "crowd", "motion", "person", "take"] as const;
-export type Colour = "speed" | "squeeze" | "contacts" | "kind";
+export type Colour = "speed" | "squeeze" | "contacts" | "kind" | "chest" | "compression" | "level";
 
 /** Most letters of the name of a scene, and of who made it. */
 export const NAME = 80;
@@ -30,7 +30,7 @@ const PAGE_ROWS = {
     unit: row(one("m", "cm"), "cm"),
     /** Simulated seconds in a second. */
     pace: row(within(0.01, 100), 1),
-    chart: row(one("greatest", "mean", "speed", "left", "flow", "density", "all"), "greatest"),
+    chart: row(one("greatest", "mean", "speed", "left", "flow", "density", "chest", "all"), "greatest"),
     view: row(one("2d", "3d", "section"), "2d"),
     /** Altitude of the section, in m. */
     altitude: row(within(0, 3), 1.3),
@@ -41,11 +41,19 @@ const SCENE_ROWS = {
     /** What the forms say; not necessarily made yet. */
     crowd: row(crowd, FIRST_CROWD),
     person: row(person, { sex: "female", breadth: null, depth: null, stature: null, mass: null, altitude: null }),
-    colour: row(one<Colour>("speed", "squeeze", "contacts", "kind"), "squeeze"),
+    colour: row(one<Colour>("speed", "squeeze", "contacts", "kind", "chest", "compression", "level"), "squeeze"),
     /** Time over which squeeze is a mean, in s. */
     smooth: row(within(0.01, 10), 0.1),
     /** Upper ends of the colours that the user has fixed. */
-    most: row(record<Record<Colour, number | null>>({ speed: nullable(upper), squeeze: nullable(upper), contacts: nullable(upper), kind: () => null }), { speed: null, squeeze: null, contacts: null, kind: null }),
+    most: row(record<Record<Colour, number | null>>({ speed: nullable(upper), squeeze: nullable(upper), contacts: nullable(upper), kind: () => null, chest: nullable(upper), compression: nullable(upper), level: nullable(upper) }), {
+        speed: null,
+        squeeze: null,
+        contacts: null,
+        kind: null,
+        chest: null,
+        compression: null,
+        level: null,
+    }),
     /** Where the timeline ends, in s. */
     end: row(within(1e-3, 1e5), 30),
     trails: row(flag, false),

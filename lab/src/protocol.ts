@@ -29,6 +29,11 @@ export const FEET = 9;
 /** Place of whether somebody wants to get on. */
 export const GOES = 11;
 
+/** Where there are chests or levels (`Scene.further`), further numbers follow: of the chest its load, the part by walls, what
+ * presses it together front–back, side–side and from all sides; then the squeeze of each level, from the lowest. */
+export const CHEST = COLUMNS;
+export const LEVELS = CHEST + 5;
+
 /** Whether an agent of a frame has not left. */
 export function isThere(frame: Float32Array, agent: number): boolean {
     return !Number.isNaN(frame[COLUMNS * agent]!);

@@ -3,9 +3,32 @@
 import { signal } from "@preact/signals";
 import type { Film } from "./film";
 import { Latest } from "./latest";
-import type { Point, Sections as Cut } from "./protocol";
+import { plan } from "./plan";
+import type { Point, Scene, Sections as Cut } from "./protocol";
 
 export type SectionFacts = Omit<Cut, "bodies">;
+
+/** The height in m at which the disks of people in levels are drawn; null: those of all heights. */
+export function heightOf({ scene }: Film): number | null {
+    return plan.value.view === "section" && scene.levels.length > 0 ? plan.value.altitude : null;
+}
+
+const within = (height: number, [bottom, top]: [number, number]) => height >= bottom && height < top;
+
+/** Of a scene the disks and walls at a height in m. */
+export function sceneAt(scene: Scene, height: number | null): Scene {
+    if (height === null) return scene;
+    const agents = scene.agents.map((agent) => {
+        const own = <T,>(of: T[]) => of.filter((_, k) => within(height, agent.heights![k]!));
+        return { ...agent, disks: own(agent.disks), things: agent.things && own(agent.things), seated: null };
+    });
+    return { ...scene, agents, walls: scene.walls.filter(({ heights }) => !heights || within(height, heights)) };
+}
+
+/** The level at a height, from 0; -1: none. */
+export function levelAt({ scene }: Film, height: number): number {
+    return scene.levels.findIndex((ends) => within(height, ends));
+}
 
 export class Sections {
     /** How many bodies the plane cuts, and with which area; null before the first answer. */

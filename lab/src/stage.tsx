@@ -17,7 +17,7 @@ import { MeasureButtons } from "./line";
 import { Menu } from "./menu";
 import { Button, Check, Choice, digits, in3d, length, LengthField, Range } from "./parts";
 import { change, type Plan, plan } from "./plan";
-import { Sections } from "./sections";
+import { heightOf, levelAt, Sections } from "./sections";
 import { embedded } from "./storage";
 import { Tools } from "./tools";
 import { Transport } from "./transport";
@@ -54,7 +54,7 @@ export function Stage({ film }: { film: Film }) {
     const alone = embedded || presents.value;
     return (
         <section class="stage" aria-label={t("Stage")}>
-            {!alone && <LayerControls />}
+            {!alone && <LayerControls film={film} />}
             {view === "section" && <Altitude film={film} sections={sections} />}
             <div class={kept.value && view !== "3d" ? "frame two" : "frame"}>
                 {kept.value && view !== "3d" && <Beside now={film} />}
@@ -94,7 +94,8 @@ function Picture({ film, chains, sections }: { film: Film; chains: Chains; secti
                 if (trails && !empty.value) paintTrails(context, film, film.shown.value, now);
             },
             above: (context, now) => {
-                if (!forces) return;
+                // They are of all heights.
+                if (!forces || heightOf(film) !== null) return;
                 chains.update(film.shown.value);
                 chains.paint(context, now);
             },
@@ -109,12 +110,15 @@ function Picture({ film, chains, sections }: { film: Film; chains: Chains; secti
 }
 
 function Widest({ chains }: { chains: Chains }) {
-    if (!plan.value.forces || chains.largest === 0) return null;
+    if (!plan.value.forces || chains.largest === 0 || heightOf(chains.film) !== null) return null;
     return <p class="note">{t("Lines between people: the wider, the more they press. The widest is {largest} N.", { largest: digits(chains.largest, 2) })}</p>;
 }
 
 function Altitude({ film, sections }: { film: Film; sections: Sections }) {
     const { altitude, unit } = plan.value;
+    const n = film.scene.agents.length;
+    const inLevels = heightOf(film) !== null;
+    const level = film.scene.levels[levelAt(film, altitude)]?.map((end) => length(end, unit));
     useEffect(() => void sections.ask(altitude), [altitude, sections]);
     const facts = sections.facts.value;
     const set = (value: number) => change({ altitude: value });
@@ -122,14 +126,17 @@ function Altitude({ film, sections }: { film: Film; sections: Sections }) {
         <>
             <div class="controls">
                 <label class="scrub">
-                    <span>{t("Altitude of the section: {length} above the ground", { length: length(altitude, unit) })}</span>
+                    <span>{inLevels ? t("Height: {length} above the ground", { length: length(altitude, unit) }) : t("Altitude of the section: {length} above the ground", { length: length(altitude, unit) })}</span>
                     <Range min={0} max={2.2} step={0.01} value={altitude} onSlide={set} />
                 </label>
                 <LengthField label={t("Altitude")} value={altitude} min={0} max={2.5} onChange={set} />
             </div>
             {facts && (
                 <p class="note">
-                    {t("The plane cuts {cut} of {n} bodies; the sections have an area of {area} m².", { cut: facts.cut, n: film.scene.agents.length, area: digits(facts.area, 3) })}{" "}
+                    {inLevels
+                        ? t("{cut} of {n} people have disks at this height, with an area of {area} m².", { cut: facts.cut, n, area: digits(facts.area, 3) })
+                        : t("The plane cuts {cut} of {n} bodies; the sections have an area of {area} m².", { cut: facts.cut, n, area: digits(facts.area, 3) })}{" "}
+                    {inLevels && (level ? t("The level is from {low} to {high}.", { low: level[0]!, high: level[1]! }) : t("There is no level."))}
                     {facts.estimated && t("Sex and measures are not known: these are bodies that fit the disks, height and mass.")}
                 </p>
             )}
@@ -140,10 +147,10 @@ function Altitude({ film, sections }: { film: Film; sections: Sections }) {
 
 const Stage3d = in3d<{ film: Film }>(() => import("./three"));
 
-const VIEWS: [Plan["view"], string][] = [
+const views = ({ scene }: Film): [Plan["view"], string][] => [
     ["2d", t("From above")],
     ["3d", "3D"],
-    ["section", t("Sections")],
+    ["section", scene.levels.length > 0 ? t("At a height") : t("Sections")],
 ];
 
 function Zoom() {
@@ -156,15 +163,15 @@ function Zoom() {
     );
 }
 
-function LayerControls() {
+function LayerControls({ film }: { film: Film }) {
     const { view, forces, trails } = plan.value;
     return (
         <div class="controls bar">
-            <Choice label={t("View")} value={view} choices={VIEWS} onChange={(next) => change({ view: next })} />
+            <Choice label={t("View")} value={view} choices={views(film)} onChange={(next) => change({ view: next })} />
             {view !== "3d" && (
                 <>
                     <Tools />
-                    <Check label={t("Forces")} value={forces} onChange={(on) => change({ forces: on })} />
+                    {heightOf(film) === null && <Check label={t("Forces")} value={forces} onChange={(on) => change({ forces: on })} />}
                     <Check label={t("Trails")} value={trails} onChange={(on) => change({ trails: on })} />
                     <MeasureButtons />
                 </>

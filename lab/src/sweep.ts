@@ -98,8 +98,8 @@ async function run(client: Client, from: Made, made: Made, doors: unknown[], unt
     const lines = doors.map((line) => JSON.stringify(line));
     const motion = beyond(made.motion, ({ line }) => lines.indexOf(JSON.stringify(line)), opened.value.scene.beyond_doors);
     if (JSON.stringify(motion) !== JSON.stringify(made.motion)) opened = await show(motion);
-    const { agents, leaving, step, run, overlap } = opened.value.scene;
-    const frames = new Frames(agents.length);
+    const { agents, further, leaving, step, run, overlap } = opened.value.scene;
+    const frames = new Frames(agents.length, further);
     frames.add(new Float64Array(opened.bytes), 1);
     const [last, ofTenth, ofSecond] = [until, 0.1, 1].map((seconds) => Math.max(1, Math.round(seconds / step))) as [number, number, number];
     const left = () => frames.curve("left");

@@ -5,7 +5,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import "./take.css";
 import { Stopped } from "./client";
-import { scaleOf, values } from "./colour";
+import { colourOf, isForce, scaleOf, values } from "./colour";
 import type { Film } from "./film";
 import { count, rich, t } from "./language";
 import { canvas } from "./layout";
@@ -16,6 +16,7 @@ import { compose, png } from "./picture";
 import { link, onlyHere, plan, scene as kept } from "./plan";
 import type { FileRequest, NamedFile } from "./protocol";
 import { makeReport } from "./report";
+import { heightOf } from "./sections";
 import { client, said, selected } from "./session";
 
 function joined(parts: Uint8Array[]): Uint8Array {
@@ -93,7 +94,8 @@ export function TakeTab({ film }: { film: Film }) {
     const svg = () => {
         const { low, high, largest, label, unit, kinds } = scaleOf(film, plan.value.colour);
         const k = film.shown.peek();
-        const wanted: FileRequest = { file: "svg", range: [low, high], beyond: largest > high, from_grey: plan.value.colour === "squeeze", label, unit, time: k * scene.step, forces: plan.value.forces, by_kind: kinds !== undefined };
+        const height = heightOf(film) ?? undefined;
+        const wanted: FileRequest = { file: "svg", range: [low, high], beyond: largest > high, from_grey: isForce(colourOf(film, plan.value.colour)), label, unit, time: k * scene.step, forces: plan.value.forces && height === undefined, height, by_kind: kinds !== undefined };
         return take(wanted, joined([shown(), bytesOf(values(film, k, plan.value.colour))]), timed);
     };
     const picture = async () => {

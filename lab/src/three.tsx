@@ -2,7 +2,7 @@
 
 import { signal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { scaleOf, values } from "./colour";
+import { byPart, scaleOf } from "./colour";
 import { Crowd3d } from "./crowd3d";
 import type { Film } from "./film";
 import { t } from "./language";
@@ -65,7 +65,7 @@ function One({ film }: { film: Film }) {
     useSignalEffect(() => {
         const scale = scaleOf(film, plan.value.colour);
         const frame = film.frames.at(film.place.value);
-        crowd.value?.place(frame, values(film, film.shown.value, plan.value.colour), scale, selected.value, film.place.value * film.scene.step);
+        crowd.value?.place(frame, byPart(film, film.shown.value, plan.value.colour), scale, selected.value, film.place.value * film.scene.step);
     });
     const pressed = useRef<[number, number]>([0, 0]);
     return (

@@ -1,12 +1,12 @@
 //! Bodies in three dimensions, and their sections.
 
 use crate::loaded::LoadedTrial;
+use crate::run::LabRun;
 use crate::{Refused, Reply, require, within};
-use lemons_core::plane::{Disk, rotation, union, vec2};
+use lemons_core::plane::{Disk, union};
 use lemons_core::trial::Agent;
 use lemons_people::{Body3d, BodySlice, Figure, MeshPart, Person, packed};
 use serde::Serialize;
-use std::f64::consts::TAU;
 
 /// Most people whose bodies are shown: a quarter of a MB each.
 const MOST: usize = 1000;
@@ -89,16 +89,21 @@ fn without(figures: &[Option<Figure>]) -> usize {
     figures.iter().filter(|figure| figure.is_none()).count()
 }
 
-/// Returns everybody's outlines at an altitude \[m\], in the body's frame.
+/// Returns everybody's outlines at an altitude \[m\], in the body's frame. Of people in levels it finds how many have disks
+/// there, and their area: pages know the disks.
 ///
 /// # Errors
-/// The altitude is out of range.
-pub fn sections(of: &LoadedTrial, bodies: &[Option<Figure>], altitude: f64) -> Result<Reply, Refused> {
+/// The altitude is out of range, or there are too many people.
+pub fn sections(run: &LabRun, altitude: f64) -> Result<Reply, Refused> {
     within("altitude [m]", altitude, [0.0, 3.0])?;
-    let agents = &of.trial.agents;
-    if agents.iter().flat_map(|agent| &agent.shapes).any(|shape| !shape.heights.is_all()) {
-        return in_levels(agents, altitude);
+    let of = &run.loaded;
+    if !run.loads.levels.is_empty() {
+        let areas = of.trial.agents.iter().map(|agent| area_at(agent, altitude));
+        let there: Vec<f64> = areas.filter(|area| *area > 0.0).collect();
+        let (cut, area) = (there.len(), there.iter().sum());
+        return Reply::of(Sections { altitude, bodies: Vec::new(), cut, area, estimated: false, without: 0 });
     }
+    let bodies = run.bodies()?;
     let slice = |of: &Option<Figure>| of.as_ref().map_or(Vec::new(), |figure| figure.slice_at(altitude));
     let slices: Vec<Vec<BodySlice>> = bodies.iter().map(slice).collect();
     let area: f64 = slices.iter().flatten().map(BodySlice::area).sum();
@@ -108,23 +113,12 @@ pub fn sections(of: &LoadedTrial, bodies: &[Option<Figure>], altitude: f64) -> R
     Reply::of(Sections { altitude, bodies, cut, area, estimated, without })
 }
 
-/// Of people in levels: the disks that are at this altitude \[m\], as the engine has them.
-fn in_levels(agents: &[Agent], altitude: f64) -> Result<Reply, Refused> {
-    const CORNERS: u32 = 48;
-    let at = |agent: &Agent| -> Vec<Disk> {
-        let all = agent.disks_facing_x().into_iter().zip(&agent.shapes);
-        let there = all.filter(|(_, shape)| shape.heights.hold(altitude));
-        there.map(|((centre, radius), _)| Disk { centre, radius }).collect()
-    };
-    let round = |Disk { centre, radius }: &Disk| -> Vec<[f64; 2]> {
-        let corner = |k: u32| centre + rotation(TAU * f64::from(k) / f64::from(CORNERS)) * vec2(*radius, 0.0);
-        (0..CORNERS).map(|k| corner(k).into()).collect()
-    };
-    let disks: Vec<Vec<Disk>> = agents.iter().map(at).collect();
-    let (cut, area) =
-        (disks.iter().filter(|own| !own.is_empty()).count(), disks.iter().map(|own| union(own).area).sum());
-    let bodies = disks.iter().map(|own| own.iter().map(round).collect()).collect();
-    Reply::of(Sections { altitude, bodies, cut, area, estimated: false, without: 0 })
+/// \[m²\] The area of an agent's disks at an altitude \[m\].
+fn area_at(agent: &Agent, altitude: f64) -> f64 {
+    let all = agent.disks_facing_x().into_iter().zip(&agent.shapes);
+    let there = all.filter(|(_, shape)| shape.heights.hold(altitude));
+    let disks: Vec<Disk> = there.map(|((centre, radius), _)| Disk { centre, radius }).collect();
+    union(&disks).area
 }
 
 /// Returns everybody's surface, in the body's frame; less fine, because there are many. Then come the surfaces of things.

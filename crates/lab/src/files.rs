@@ -66,6 +66,10 @@ pub struct PictureStyle {
     pub time: f64,
     /// True to draw who presses whom.
     pub forces: bool,
+    /// \[m\] Height of the disks and walls that are drawn; without, all are.
+    #[serde(default)]
+    #[cfg_attr(feature = "typescript", ts(optional))]
+    pub height: Option<f64>,
     /// True for a colour for each kind of people, and none for the numbers.
     #[serde(default)]
     pub by_kind: bool,
@@ -180,7 +184,8 @@ fn svg(wanted: &PictureStyle, run: &LabRun, bytes: &[u8]) -> Result<String, Refu
     let short = || Refused::from("the picture needs a frame, and a number for each agent");
     let (shown, values) = bytes.split_at_checked(bytes.len().saturating_sub(8 * people)).ok_or_else(short)?;
     let frame = Frame { time: wanted.time, ..frame(shown, people)? };
-    let mut scene = PictureScene::new(trial, frame.agents.iter().map(|motion| motion.pose).collect());
+    let poses = frame.agents.iter().map(|motion| motion.pose).collect();
+    let mut scene = PictureScene::new(trial, poses).at_height(wanted.height);
     scene.feet = feet(shown);
     if wanted.forces {
         let force = |of: PairForce| DrawnForce { from: of.from, to: of.to, normal_force: of.normal_force };

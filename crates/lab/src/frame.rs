@@ -18,8 +18,9 @@ use std::collections::BTreeSet;
 /// a number, nor are place and velocity of who has not come yet, nor feet where people have no legs.
 pub const COLUMNS: usize = 12;
 
-/// Returns a frame as bytes: [`COLUMNS`] doubles for each agent, little-endian. `going`: who wants to get on.
-pub fn bytes(frame: &Frame, going: &[bool]) -> Vec<u8> {
+/// Returns a frame as bytes: [`COLUMNS`] doubles for each agent, little-endian, then further ones
+/// ([`crate::loads::Loads::numbers`]), which pages do not send back. `going`: who wants to get on.
+pub fn bytes(frame: &Frame, going: &[bool], further: &[f64]) -> Vec<u8> {
     let numbers = (0..frame.agents.len()).flat_map(|agent| {
         const NOWHERE: Vec2 = vec2(f64::NAN, f64::NAN);
         let Motion { pose, twist: Twist { velocity, angular_velocity } } = frame.agents[agent];
@@ -33,7 +34,7 @@ pub fn bytes(frame: &Frame, going: &[bool]) -> Vec<u8> {
         let [x, y, vx, vy] = [at.x, at.y, velocity.x, velocity.y];
         [x, y, pose.orientation, vx, vy, angular_velocity, mean, contacts, by_walls, feet.x, feet.y, goes]
     });
-    numbers.flat_map(f64::to_le_bytes).collect()
+    numbers.chain(further.iter().copied()).flat_map(f64::to_le_bytes).collect()
 }
 
 /// Reads a frame of so many people: where they are, how they move, and who is there.

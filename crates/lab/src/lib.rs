@@ -13,7 +13,8 @@
 //! - [`room`], [`crowd`], [`upload`]: where a Trial comes from
 //! - [`loaded`]: a Trial, its people, and what drives them
 //! - [`scene`]: what a page draws of it
-//! - [`frame`]: what it keeps of a run, and asks of it; [`map`]: by place; [`limit`]: time above a limit
+//! - [`frame`]: what it keeps of a run, and asks of it; [`loads`]: on chests and at levels; [`map`]: by place; [`limit`]: time
+//!   above a limit
 //! - [`files`]: files to keep; [`report`]: the report of a run
 //! - `typescript`: types of requests and replies, for the page
 
@@ -26,6 +27,7 @@ pub mod frame;
 pub mod kinds;
 pub mod limit;
 pub mod loaded;
+pub mod loads;
 pub mod map;
 pub mod mechanics;
 pub mod motion;
@@ -175,10 +177,7 @@ impl Lab {
                 map::add(&mut run.map, &run.loaded, *of, *fresh, bytes)
             }
             Request::Limit(wanted) => limit::add(&mut self.limits, wanted, bytes),
-            Request::Sections { run, altitude } => {
-                let run = self.present(*run)?;
-                body::sections(&run.loaded, run.bodies()?, *altitude)
-            }
+            Request::Sections { run, altitude } => body::sections(self.present(*run)?, *altitude),
             Request::Bodies { run } => {
                 let run = self.present(*run)?;
                 body::surfaces(&run.loaded, run.bodies()?)

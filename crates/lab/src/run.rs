@@ -3,6 +3,7 @@
 use crate::body;
 use crate::frame::{self, COLUMNS};
 use crate::loaded::LoadedTrial;
+use crate::loads::Loads;
 use crate::map::Map;
 use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::{PairForce, World};
@@ -39,6 +40,8 @@ pub struct LabRun {
     /// Its simulation.
     pub simulation: Simulation,
     points: Stepper,
+    /// What frames have besides.
+    pub loads: Loads,
     /// \[m\] Deepest overlap so far.
     overlap: f64,
     /// Everybody in three dimensions, once somebody has asked for it: a hundredth of a second each.
@@ -58,7 +61,8 @@ impl LabRun {
         simulation.begin(0.0, None)?;
         // Communication points are multiples, as those of `lemons run`.
         let points = Stepper::new(Clock::endless(0.0, loaded.trial.parameters.time_step), 1, None);
-        Ok(LabRun { loaded, simulation, points, overlap: 0.0, bodies: OnceCell::new(), map: None })
+        let loads = Loads::of(&loaded.trial, simulation.world().expect("it has begun"));
+        Ok(LabRun { loaded, simulation, points, loads, overlap: 0.0, bodies: OnceCell::new(), map: None })
     }
 
     /// Everybody in three dimensions, with what goes along.
@@ -108,16 +112,20 @@ impl LabRun {
     pub fn advance(&mut self, steps: u32) -> Result<Reply, Refused> {
         require(steps <= MOST_STEPS, || format!("{steps} steps at once: at most {MOST_STEPS}"))?;
         let people = self.people();
-        require((8 * COLUMNS * people) as u64 * u64::from(steps) <= MOST_BYTES, || {
+        let columns = COLUMNS + self.loads.columns();
+        require((8 * columns * people) as u64 * u64::from(steps) <= MOST_BYTES, || {
             format!("{steps} steps of {people} people at once have more than 100 MB")
         })?;
         self.check_work()?;
         let (mut bytes, mut advanced, mut overlap) = (Vec::new(), Advanced::default(), self.overlap);
+        let loads = self.loads.clone();
         let mut add = |_: &Stepper, simulation: &mut Simulation, frames: Vec<Frame>, _| {
+            let going = simulation.going()?;
+            let world = simulation.world().expect("it has begun");
             for frame in &frames {
-                bytes.extend(frame::bytes(frame, &simulation.going()?));
+                bytes.extend(frame::bytes(frame, &going, &loads.numbers(frame, world)));
             }
-            overlap = simulation.world().map_or(overlap, |world| overlap.max(world.largest_overlap()));
+            overlap = overlap.max(world.largest_overlap());
             advanced.overlaps.push(overlap);
             advanced.arrived.push(simulation.arrived()?);
             Ok::<_, Refused>(ControlFlow::Continue(()))
@@ -149,7 +157,8 @@ impl LabRun {
     /// # Errors
     /// No ways to exits and goals can be found.
     pub fn frame(&mut self) -> Result<Vec<u8>, Refused> {
-        Ok(frame::bytes(&self.simulation.frame(), &self.simulation.going()?))
+        let (frame, going) = (self.simulation.frame(), self.simulation.going()?);
+        Ok(frame::bytes(&frame, &going, &self.loads.numbers(&frame, self.world())))
     }
 
     /// Returns who presses whom in a frame of a time \[s\]: x, y \[m\] of one, x, y of the other or of the wall, and their

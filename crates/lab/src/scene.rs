@@ -14,6 +14,9 @@ use lemons_people::{Person, Sex, mechanical_step_for};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// \[m\] Above all people.
+const HIGHEST: f64 = 3.0;
+
 /// A scene.
 #[derive(Default, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
@@ -44,6 +47,12 @@ pub(crate) struct Scene {
     pub warnings: Vec<Message>,
     materials: Vec<Material2d>,
     contacts: Vec<Contact<f64>>,
+    /// Whether the load on chests is found.
+    chests: bool,
+    /// \[m\] Levels of people, from the lowest: bottom and top. None in the plan.
+    levels: Vec<[f64; 2]>,
+    /// How many numbers a frame has of each agent besides ([`crate::loads`]).
+    further: usize,
     /// Agents that overlap others or walls at the start.
     overlapping: BTreeSet<usize>,
     /// The deepest overlap at the start.
@@ -71,6 +80,10 @@ struct AgentShown {
     /// \[kg\] Of all, with what goes along.
     mass: f64,
     disks: Vec<[f64; 3]>,
+    /// \[m\] Bottom and top of each disk, in levels.
+    #[cfg_attr(feature = "typescript", ts(optional))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heights: Option<Vec<[f64; 2]>>,
     kind: Option<String>,
     /// \[m/s\] Desired speed, if somebody says it.
     speed: Option<f64>,
@@ -88,6 +101,10 @@ struct WallShown {
     #[cfg_attr(feature = "typescript", ts(as = "Option<Vec<[f64; 2]>>", optional))]
     #[serde(skip_serializing_if = "Option::is_none")]
     open: Option<trial::OpeningTimes>,
+    /// \[m\] Bottom and top; without, it has no end.
+    #[cfg_attr(feature = "typescript", ts(optional))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heights: Option<[f64; 2]>,
 }
 
 /// Measures of somebody in a crowd.
@@ -101,6 +118,11 @@ struct PersonDrawn {
     mass: f64,
 }
 
+/// \[m\] Bottom and top, as numbers: what has no top ends above all people.
+fn ends(of: &trial::Heights) -> [f64; 2] {
+    [of.bottom, of.top.min(HIGHEST)]
+}
+
 /// Returns the walls' corners \[m\]; each agent's Id, mass \[kg\] and disks (x, y, radius \[m\], in the body's frame), its
 /// kind with what goes along ([`kinds`]), its desired speed \[m/s\], and measures where they are known; who overlaps; who
 /// is pushed; ways, exits and goals of those who walk, and how many leave; the steps, materials and contacts. Of a run at
@@ -108,6 +130,7 @@ struct PersonDrawn {
 pub(crate) fn of(run: &LabRun) -> Scene {
     let loaded = &run.loaded;
     let trial = &loaded.trial;
+    let in_levels = !run.loads.levels.is_empty();
     let agent = |(k, agent): (usize, &trial::Agent)| {
         // A Trial may show its disks at another orientation than 0.
         let disks = agent.disks_facing_x().into_iter();
@@ -117,6 +140,7 @@ pub(crate) fn of(run: &LabRun) -> Scene {
             id: agent.id.clone(),
             mass: agent.mass,
             disks: disks.map(|(place, radius)| [place.x, place.y, radius]).collect(),
+            heights: in_levels.then(|| agent.shapes.iter().map(|disk| ends(&disk.heights)).collect()),
             kind: agent.kind.clone(),
             speed: planned.or_else(|| made.map(|member| member.speed)),
             things: kinds::things(agent),
@@ -128,6 +152,7 @@ pub(crate) fn of(run: &LabRun) -> Scene {
         id: wall.id.clone(),
         corners: corners(&wall.corners),
         open: wall.open.clone(),
+        heights: Some(ends(&wall.heights)).filter(|_| !wall.heights.is_all()),
     };
     let person = |agent: &lemons_people::CrowdMember| {
         let Person { sex, breadth, depth, stature, mass } = *agent.everybody().first()?;
@@ -181,6 +206,9 @@ pub(crate) fn of(run: &LabRun) -> Scene {
         error: steps.map(|steps| steps.error(trial.parameters.time_step_mechanical)),
         materials: materials.map(material).collect(),
         contacts: contacts.map(contact).collect(),
+        chests: run.loads.chests,
+        levels: run.loads.levels.iter().map(ends).collect(),
+        further: run.loads.columns(),
         overlapping,
         overlap,
         pushed,

@@ -98,6 +98,19 @@ fn zipped_with(zip: &[u8], name: &str, content: &[u8]) -> Vec<u8> {
     archive.finish().unwrap().into_inner()
 }
 
+/// The same zip with another text of a file.
+fn changed(zip: &[u8], from: &str, to: &str) -> Vec<u8> {
+    let mut archive = ZipArchive::new(Cursor::new(zip)).unwrap();
+    let count = archive.len();
+    let text = |place: usize| {
+        let mut file = archive.by_index(place).unwrap();
+        let name = file.name().unwrap().into_owned();
+        let text = std::io::read_to_string(&mut file).unwrap();
+        (name, if text == from { to.to_owned() } else { text })
+    };
+    zipped(&(0..count).map(text).collect::<Vec<_>>())
+}
+
 /// A request to show a base, with nothing changed by hand.
 fn show(base: Value, motion: Value) -> Value {
     json!({"ask": "show", "base": base, "edits": [], "motion": motion})

@@ -333,3 +333,88 @@ fn time_above_a_limit_is_that_of_the_library() {
     assert!(long["above"].is_null(), "a step is longer than the mean: {long}");
     assert!(refused(&mut lab, asked(0, 300.0, 1.0), &[0; 8]).contains("not frames of 2 people"));
 }
+
+/// The columns of the table that have these names, a row for each agent and time.
+fn rows<const N: usize>(table: &str, names: [&str; N]) -> Vec<[f64; N]> {
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let places = names.map(|name| header.iter().position(|column| *column == name).unwrap());
+    let row = |row: &str| -> [f64; N] {
+        let cells: Vec<&str> = row.split(',').collect();
+        places.map(|place| cells[place].parse().unwrap())
+    };
+    table.lines().skip(1).map(row).collect()
+}
+
+/// Frames have the chest's columns of the table, and levels add up to its squeeze at each time.
+#[test]
+fn frames_have_the_load_on_chests_and_at_levels() {
+    const PEOPLE: usize = 12;
+    let crowd = with(with(crowd(12, square(2.0, 2.0)), "direction", json!(0)), "speed", json!(1.3));
+    let (plain, first) = ok(&mut Lab::default(), own(crowd.clone()));
+    assert_eq!((&plain["scene"]["chests"], &plain["scene"]["levels"]), (&json!(false), &json!([])));
+    assert_eq!((&plain["scene"]["further"], first.len()), (&json!(0), 8 * COLUMNS * PEOPLE));
+
+    let mut lab = Lab::default();
+    let (shown, first) = ok(&mut lab, own(with(crowd.clone(), "levels", json!(3))));
+    assert_eq!((&shown["scene"]["chests"], &shown["scene"]["further"]), (&json!(true), &json!(8)),);
+    assert_eq!(shown["scene"]["levels"], json!([[0.5, 0.9], [0.9, 1.3], [1.3, 1.7]]));
+    let frames = [first, ok(&mut lab, advance(1, 120)).1].concat();
+    let table = ok(&mut lab, take(1, json!({"file": "trajectories", "steps": 120}))).1;
+    let chest = ["chest_force", "chest_wall_force", "chest_front", "chest_side", "chest_least"];
+    let table = String::from_utf8(table).unwrap();
+    let (chests, squeezes) = (rows(&table, chest), rows(&table, ["normal_force"]));
+    let mut pressed = [0; 3];
+    for (k, frame) in numbers(&frames).chunks((COLUMNS + 8) * PEOPLE).enumerate() {
+        let of = |column: usize, agent: usize| frame[(COLUMNS + column) * PEOPLE + agent];
+        for agent in 0..PEOPLE {
+            let (row, levels) = (PEOPLE * k + agent, [5, 6, 7].map(|column| of(column, agent)));
+            assert_eq!([0, 1, 2, 3, 4].map(|column| of(column, agent)), chests[row]);
+            let (sum, [squeeze]) = (levels.iter().sum::<f64>(), squeezes[row]);
+            assert!(close(sum, squeeze, 1e-9 * squeeze.max(1.0)), "{levels:?} of {squeeze} N");
+            [0, 1, 2].into_iter().for_each(|level| pressed[level] += i32::from(levels[level] > 1.0));
+        }
+    }
+    assert!(pressed.iter().all(|count| *count > 50), "{pressed:?}");
+    // What a page sends back is the first part of a frame.
+    let last = &frames[frames.len() - 8 * (COLUMNS + 8) * PEOPLE..];
+    let (_, forces) =
+        ask(&mut lab, &json!({"ask": "forces", "run": 1, "time": 1.2}), &last[..8 * COLUMNS * PEOPLE]);
+    assert!(!forces.is_empty());
+
+    // In the plan there may be chests without levels.
+    let (plan, first) = ok(&mut lab, own(with(crowd, "levels", json!(1))));
+    assert_eq!((&plan["scene"]["chests"], &plan["scene"]["levels"]), (&json!(true), &json!([])));
+    assert_eq!((&plan["scene"]["further"], first.len()), (&json!(5), 8 * (COLUMNS + 5) * PEOPLE));
+}
+
+/// A low wall presses the lowest level alone; the picture of another height does not show it.
+#[test]
+fn a_low_wall_presses_the_lowest_level() {
+    let base = with(
+        with(with(crowd(1, square(1.0, 1.0)), "direction", json!(0)), "speed", json!(1.3)),
+        "levels",
+        json!(3),
+    );
+    let mut lab = Lab::default();
+    ok(&mut lab, own(base));
+    let (_, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
+    let geometry = file_in(&zip, "Geometry.xml");
+    let low = geometry.replace("<Wall ", "<Wall Top=\"0.9\" ");
+    assert!(low != geometry);
+    let zip = changed(&zip, &geometry, &low);
+    let shown = open(&mut lab, "low.zip", &zip);
+    assert_eq!(shown["scene"]["walls"][0]["heights"], json!([0.0, 0.9]));
+    let (_, frames) = ok(&mut lab, advance(2, 200));
+    let last = numbers(&frames[frames.len() - 8 * (COLUMNS + 8)..]);
+    let [.., low, middle, high] = last[..] else { unreachable!() };
+    assert!(low > 100.0 && middle == 0.0 && high == 0.0, "{low} {middle} {high} N");
+
+    let frame = &frames[frames.len() - 8 * (COLUMNS + 8)..][..8 * COLUMNS];
+    let mut picture = |height: f64| {
+        let look = json!({"file": "svg", "range": [0.0, 1.0], "beyond": false, "from_grey": true, "label": "", "unit": "", "time": 2.0, "forces": false, "height": height});
+        let (_, svg) = ok_of(&mut lab, take(2, look), &[frame, &[0; 8]].concat());
+        let svg = String::from_utf8(svg).unwrap();
+        svg.matches("<path").count()
+    };
+    assert!(picture(0.7) > picture(1.1));
+}
