@@ -81,6 +81,8 @@ class Scene:
                 heights.append((number(s, "Bottom", 0), number(s, "Top", math.inf)))
         self.owner, self.radius, self.offset = np.array(owner), np.array(radius), np.array(offset)
         self.faces = self._faces(trial)
+        numbered = [(f, end) for f, face in enumerate(self.faces) for end in face[:2]]
+        self.shared = [(f, g, end) for f, end in numbered for g, other in numbered if f != g and end == other]
 
         def share(one, other):
             common = min(one[1], other[1]) - max(one[0], other[0])
@@ -132,15 +134,13 @@ class Scene:
         other = p[self.j] if len(p) else p
         reach = self.radius[self.i] + np.where(self.j >= 0, self.radius[self.j], 0.0)
         if self.faces:
-            other, reach = other.copy(), reach.copy()
-            feet = [self._foot(p, f) for f in range(len(self.faces))]
-            for n in np.flatnonzero(self.face >= 0):
-                f, i = self.face[n], self.i[n]
-                other[n] = feet[f][i]
-                # An end that faces share acts only where it is the nearest point of all of them, and once.
-                for g, (a, b, *_) in enumerate(self.faces):
-                    if g != f and other[n] in (a, b) and other[n] in self.faces[f][:2] and (feet[g][i] != other[n] or g < f):
-                        reach[n] = -1.0
+            feet = np.array([self._foot(p, f) for f in range(len(self.faces))])
+            at_wall = self.face >= 0
+            other = np.where(at_wall, feet[self.face, self.i], other)
+            # An end that faces share acts only where it is the nearest point of all of them, and once.
+            for f, g, end in self.shared:
+                idle = (feet[f] == end) & ((feet[g] != end) | (g < f))
+                reach = np.where(at_wall & (self.face == f) & idle[self.i], -1.0, reach)
         e = p[self.i] - other
         distance = np.abs(e)
         n = e / distance

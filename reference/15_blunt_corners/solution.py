@@ -9,5 +9,5 @@ sys.path.insert(0, str(HERE.parent))
 
 
 def solution():
-    """Springs without dampers and friction give back what they take."""
-    return {f"{k}.speed": 1.0 for k in range(4)}
+    """Springs without dampers and friction give back what they take; the last disk is on the bisector, and comes back on it."""
+    return {f"{k}.speed": 1.0 for k in range(4)} | {"4.vx": -1.0, "4.vy": 0.0}
