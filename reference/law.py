@@ -332,7 +332,7 @@ def certificate(directory, names, step):
     best = solved(directory, names)
     halved = [named(scene, Fixed(scene, step / 2**k).advance(case["end"]), names) for k in range(3)]
     first, second = (distance(case, halved[k], halved[k + 1]) for k in range(2))
-    order = math.log2(first / second) if second > 1e-12 else math.inf
+    order = math.log2(first / second) if first > 1e-9 else math.inf  # else only rounding is left
     return best, order, distance(case, best, halved[2])
 
 

@@ -20,7 +20,7 @@ sys.path[:0] = [str(HERE), str(HERE / "adapters")]
 from law import UNITS, description  # noqa: E402
 from solve import directories  # noqa: E402
 
-ENGINES = ["lemons", "lammps_granular", "yade", "rapier", "box2d", "jupedsim"]
+ENGINES = ["lemons", "lammps_granular", "yade", "rapier", "box2d", "jupedsim_social"]
 REFINED = (1, 2, 4)
 
 
@@ -58,6 +58,8 @@ def measure(module, directory, refined=REFINED):
             engine.close()
     except CannotExpress as why:
         return {"why": str(why)}
+    except Exception as why:  # a program of others stopped: that is a result, too
+        return {"why": f"it failed ({type(why).__name__}: {str(why).splitlines()[0][:60] if str(why) else ''})"}
     falls = len(errors) > 2 and errors[-1] > 1e-10 and errors[0] > errors[-1] > 0
     order = math.log2(errors[0] / errors[-1]) / (len(errors) - 1) if falls else None
     part = "" if compared == len(case["solution"]) else f"{compared}/{len(case['solution'])}"

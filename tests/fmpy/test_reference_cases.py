@@ -150,7 +150,7 @@ def test_other_engines_do_the_simplest_case(engine):
     module = run.installed([engine]).get(engine)
     if module is None:
         pytest.skip(f"{engine} is not installed")
-    case = "05_translation" if engine == "jupedsim" else "02_push_agent_wall"
+    case = "05_translation" if engine == "jupedsim_social" else "02_push_agent_wall"
     found = run.measure(module, CASES[case], (1,))
     assert "why" not in found and found["error"] < 0.1, found
 
