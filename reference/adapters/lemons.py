@@ -14,7 +14,7 @@ import fmpy
 from fmpy.fmi2 import FMU2Slave
 from law import Scene
 
-LABEL = "LEMONS-FMU"
+LABEL = "LEMONS"
 STEP = 1e-4  # [s]
 OUTPUTS = {"x": "Position.x", "y": "Position.y", "theta": "Theta", "vx": "Velocity.x", "vy": "Velocity.y", "omega": "Omega", "wall": "MeanWallForce"}
 
