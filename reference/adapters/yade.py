@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 from law import Law, Scene
 from run import CannotExpress
+from scipy.optimize import nnls
 
 LABEL = "YADE"
 SCRIPT = Path(__file__).with_name("yade_scene.py")
@@ -32,7 +33,7 @@ class Engine:
         s = self.scene = Scene(trial)
         if (s.across != s.along).any():
             raise CannotExpress("no friction that depends on the gaze")
-        if (s.mu[s.j >= 0] < 0).any() or trial.name[:2] == "25":
+        if trial.name[:2] == "25":
             raise CannotExpress("no share of heights")
         bodies = [np.flatnonzero(s.owner == k) for k in range(len(s.ids))]
         if any(len(members) > 1 for members in bodies) and s.along.any():
@@ -48,6 +49,8 @@ class Engine:
             n = pair.get((kind, kind))
             m = wall.get(kind)
             damp = (2 * s.gn[n], 2 * s.gt[n], s.mu[n]) if n is not None else (s.gn[m], s.gt[m], s.mu[m]) if m is not None else (0, 0, 0)
+            if m is not None:  # the smaller friction counts, and the wall has its own
+                damp = (damp[0], damp[1], max(damp[2], s.mu[m]))
             materials[kind] = [*spring[kind], *map(float, damp)]
         self.task = {"materials": materials, "walls": [], "bodies": []}
         for f, (a, b, name, _) in enumerate(s.faces):
@@ -57,7 +60,11 @@ class Engine:
             self.task["walls"].append({"ends": [a.real, a.imag, b.real, b.imag], "material": [*spring[name], *damp, float(s.mu[n])]})
         for k, members in enumerate(bodies):
             turn = np.exp(1j * s.start[k, 2])
-            disks = [[*self._xy(s.offset[i] * turn), float(s.radius[i]), kinds[i]] for i in members]
+            # Masses of the spheres that put the clump's centre of mass at G.
+            shares, missing = nnls(np.array([np.ones(len(members)), s.offset[members].real, s.offset[members].imag]), np.array([1.0, 0.0, 0.0]))
+            if missing > 1e-12:
+                raise CannotExpress("no clump with this centre of mass")
+            disks = [[*self._xy(s.offset[i] * turn), float(s.radius[i]), kinds[i], float(share)] for i, share in zip(members, shares)]
             rates = {"along": float(s.along[k]), "force": self._xy(s.fp[k]), "torque": float(s.mp[k])}
             self.task["bodies"].append({"start": s.start[k].tolist(), "mass": float(s.mass[k]), "inertia": float(s.inertia[k]), "disks": disks} | rates)
         if s.angular.any() and not len(s.i):

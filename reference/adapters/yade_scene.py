@@ -26,14 +26,16 @@ for wall in task["walls"]:
 ids, drags = [], []
 for body in task["bodies"]:
     x, y, theta, vx, vy, w = body["start"]
-    spheres = [utils.sphere((x + dx, y + dy, 0), radius, material=kinds[kind]) for dx, dy, radius, kind in body["disks"]]  # noqa: F405
+    spheres = [utils.sphere((x + dx, y + dy, 0), radius, material=kinds[kind]) for dx, dy, radius, kind, _ in body["disks"]]  # noqa: F405
+    for sphere, disk in zip(spheres, body["disks"]):
+        sphere.state.mass = body["mass"] * disk[4]
     if len(spheres) == 1:
         number = O.bodies.append(spheres[0])  # noqa: F405
         # nu of Stokes' drag 6 pi nu r v that is m lambda v
         if body["along"]:
             drags.append(LinearDragEngine(nu=body["mass"] * body["along"] / (6 * math.pi * body["disks"][0][2]), ids=[number]))  # noqa: F405
     else:
-        number, _ = O.bodies.appendClumped(spheres)  # noqa: F405
+        number, _ = O.bodies.appendClumped(spheres, discretization=0)  # noqa: F405
     state = O.bodies[number].state  # noqa: F405
     state.pos, state.vel, state.angVel = (x, y, 0), (vx, vy, 0), (0, 0, w)
     state.mass, state.inertia, state.angMom = body["mass"], (body["inertia"],) * 3, (0, 0, body["inertia"] * w)
@@ -63,9 +65,6 @@ for number, body in zip(ids, task["bodies"]):
     state = O.bodies[number].state  # noqa: F405
     parts = [number] if len(body["disks"]) == 1 else list(O.bodies[number].shape.members)  # noqa: F405
     pressed = sum(i.phys.normalForce.norm() for part in parts for i in O.bodies[part].intrs() if i.isReal and ({i.id1, i.id2} & set(walls)))  # noqa: F405
-    found = {"x": state.pos[0], "y": state.pos[1], "vx": state.vel[0], "vy": state.vel[1], "omega": state.angVel[2], "wall": pressed}
-    # The rotation since the start, for less than half a turn.
-    axis, angle = state.rot().norm(), state.rot()[2]
-    states.append(found | {"theta": body["start"][2] + angle})
+    states.append({"x": state.pos[0], "y": state.pos[1], "vx": state.vel[0], "vy": state.vel[1], "omega": state.angVel[2], "wall": pressed})
 with open(task["found"], "w") as file:
     json.dump({"bodies": states, "cost": cost}, file)
