@@ -1,12 +1,5 @@
 """The closed form of README.md."""
 
-import sys
-from pathlib import Path
-
-HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent))
-
-
 
 def solution():
     """Springs without dampers and friction give back what they take; the last disk is on the bisector, and comes back on it."""

@@ -1,12 +1,6 @@
 """The closed form of README.md."""
 
 import math
-import sys
-from pathlib import Path
-
-HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent))
-
 
 
 def solution():

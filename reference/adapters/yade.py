@@ -85,11 +85,11 @@ class Engine:
     @staticmethod
     def _other(pair, one):
         """The damper that makes `pair` behind the damper `one`."""
-        if pair == 0 or one == 0:
-            return 0.0
+        if pair == 0:
+            return 1e-9  # [kg/s] zero would mean that there is none here, and the other counts
         if pair > one * (1 + 1e-9):
             raise CannotExpress("dampers of walls are at most those of the body")
-        return 1e30 if math.isclose(pair, one, rel_tol=1e-9) else 1 / (1 / pair - 1 / one)
+        return 0.0 if math.isclose(pair, one, rel_tol=1e-9) else 1 / (1 / pair - 1 / one)
 
     def step(self, t):
         with tempfile.TemporaryDirectory() as folder:
