@@ -85,6 +85,8 @@ class Engine:
     @staticmethod
     def _other(pair, one):
         """The damper that makes `pair` behind the damper `one`."""
+        if pair == one == 0:
+            return 0.0
         if pair == 0:
             return 1e-9  # [kg/s] zero would mean that there is none here, and the other counts
         if pair > one * (1 + 1e-9):
