@@ -1,0 +1,88 @@
+// Runs Rapier for rapier.py: a task as JSON comes in, states and the processor time of the steps [s] go out.
+import { createRequire } from "node:module";
+import { readFileSync } from "node:fs";
+import { resolve } from "node:path";
+
+const R = createRequire(resolve(process.argv[2], "x.js"))("@dimforge/rapier2d-compat");
+const task = JSON.parse(readFileSync(0, "utf8"));
+await R.init();
+if (!task.bodies) process.exit(0);
+
+function simulate() {
+  const world = new R.World({ x: 0, y: 0 });
+  world.timestep = task.dt;
+  const { Max, Multiply } = R.CoefficientCombineRule;
+  // Friction of two: the product, of which walls have the whole and disks one (or, of two disks, the root).
+  const root = task.walls.length ? 1 : 0.5;
+  const still = world.createRigidBody(R.RigidBodyDesc.fixed());
+  const walls = task.walls.map(([ax, ay, bx, by]) =>
+    world.createCollider(
+      R.ColliderDesc.segment({ x: ax, y: ay }, { x: bx, y: by })
+        .setFriction(task.wall_friction)
+        .setFrictionCombineRule(Multiply)
+        .setRestitution(0)
+        .setRestitutionCombineRule(Max),
+      still,
+    ),
+  );
+  const bodies = task.bodies.map((b) => {
+    const [x, y, , vx, vy, w] = b.start;
+    const body = world.createRigidBody(
+      R.RigidBodyDesc.dynamic()
+        .setTranslation(x, y)
+        .setLinvel(vx, vy)
+        .setAngvel(w)
+        .setLinearDamping(b.along)
+        .setAngularDamping(b.angular)
+        .setCanSleep(false)
+        .setAdditionalMassProperties(b.mass, { x: 0, y: 0 }, b.inertia),
+    );
+    const disks = b.disks.map((d) =>
+      world.createCollider(
+        R.ColliderDesc.ball(d.radius)
+          .setTranslation(d.x, d.y)
+          .setDensity(0)
+          .setFriction(root === 1 ? 1 : Math.sqrt(d.friction))
+          .setFrictionCombineRule(Multiply)
+          .setRestitution(d.restitution)
+          .setRestitutionCombineRule(Max),
+        body,
+      ),
+    );
+    body.addForce({ x: b.fx, y: b.fy }, true);
+    body.addTorque(b.torque, true);
+    return { body, disks, turned: 0 };
+  });
+  const before = process.cpuUsage();
+  for (let k = 0; k < task.steps; k++) {
+    const old = bodies.map((b) => b.body.rotation());
+    world.step();
+    bodies.forEach((b, i) => {
+      const turn = b.body.rotation() - old[i];
+      b.turned += Math.atan2(Math.sin(turn), Math.cos(turn));
+    });
+  }
+  const used = process.cpuUsage(before);
+  const load = (disk) => {
+    let impulse = 0;
+    for (const wall of walls)
+      world.contactPair(disk, wall, (manifold) => {
+        for (let i = 0; i < manifold.numContacts(); i++) impulse += manifold.contactImpulse(i);
+      });
+    return impulse / task.dt;
+  };
+  const states = bodies.map(({ body, disks, turned }, i) => ({
+    x: body.translation().x,
+    y: body.translation().y,
+    theta: task.bodies[i].start[2] + turned,
+    vx: body.linvel().x,
+    vy: body.linvel().y,
+    omega: body.angvel(),
+    wall: disks.reduce((sum, disk) => sum + load(disk), 0),
+  }));
+  return { bodies: states, cost: (used.user + used.system) / 1e6 };
+}
+
+// The first runs are slower, while WebAssembly is compiled.
+const runs = Array.from({ length: 20 }, simulate).slice(10);
+console.log(JSON.stringify({ ...runs[0], cost: runs.reduce((sum, run) => sum + run.cost, 0) / runs.length }));

@@ -1,0 +1,55 @@
+"""Rapier 2D (`npm install @dimforge/rapier2d-compat`, found by node from the directory in the variable RAPIER, else from here): rapier.mjs beside
+this file runs it. Bodies of balls, walls of segments, restitution and friction instead of springs.
+
+The step: 1/60 s with its four solver iterations, its default. A floor is its linear and angular damping. It computes in single precision.
+"""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+from rigid import Hard
+
+LABEL, RIGID = "Rapier", True
+STEP = 1 / 60
+SCRIPT = Path(__file__).with_suffix(".mjs")
+FOLDER = os.environ.get("RAPIER", ".")
+
+try:
+    subprocess.run(["node", SCRIPT, FOLDER], input="{}", check=True, capture_output=True, text=True)
+except (OSError, subprocess.CalledProcessError) as why:
+    raise ImportError(f"node or @dimforge/rapier2d-compat is missing ({type(why).__name__})") from why
+
+
+class Engine:
+    def load(self, trial, refine=1):
+        hard = Hard(trial)
+        s = self.scene = hard.scene
+        bodies = []
+        for k in range(len(s.ids)):
+            turn = np.exp(1j * s.start[k, 2])
+            disks = [
+                {"x": o.real, "y": o.imag, "radius": s.radius[i], "restitution": hard.restitution[i], "friction": hard.friction[i]}
+                for i in np.flatnonzero(s.owner == k)
+                for o in [complex(s.offset[i] * turn)]
+            ]
+            rates = {"along": s.along[k], "angular": s.angular[k], "fx": s.fp[k].real, "fy": s.fp[k].imag, "torque": s.mp[k]}
+            bodies.append({"start": s.start[k].tolist(), "mass": s.mass[k], "inertia": s.inertia[k], "disks": disks} | rates)
+        walls = [[a.real, a.imag, b.real, b.imag] for a, b, *_ in s.faces]
+        self.task = {"bodies": bodies, "walls": walls, "wall_friction": hard.wall_friction}
+        self.refine = refine
+
+    def step(self, t):
+        steps = int(np.ceil(t / STEP * self.refine - 1e-9))
+        task = json.dumps(self.task | {"steps": steps, "dt": t / steps})
+        done = subprocess.run(["node", SCRIPT, FOLDER], input=task, check=True, capture_output=True, text=True)
+        self.found = json.loads(done.stdout)
+        self.cost = self.found["cost"]
+
+    def state(self):
+        return dict(zip(self.scene.ids, self.found["bodies"]))
+
+    def close(self):
+        pass

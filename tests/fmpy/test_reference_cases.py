@@ -1,0 +1,185 @@
+"""The reference cases (reference/): each is complete, its solution is right, our FMU agrees, and an FMU with another law does not."""
+
+import math
+import re
+import shutil
+import sys
+
+import pytest
+from crowd import REPOSITORY
+
+REFERENCE = REPOSITORY / "reference"
+sys.path[:0] = [str(REFERENCE), str(REFERENCE / "adapters")]
+
+import law  # noqa: E402
+import run  # noqa: E402
+import solve  # noqa: E402
+
+CASES = {directory.name: directory for directory in solve.directories()}
+SCENARIOS = sorted(path.name for path in (REPOSITORY / "tests/scenarios").iterdir())
+OTHERS = [name for name in run.ENGINES if name != "lemons"]
+
+
+@pytest.fixture
+def ours(lemons, monkeypatch):
+    """Measures our FMU on a case, with steps divided by `refined`."""
+    monkeypatch.setenv("LEMONS", str(lemons))
+    import lemons as adapter
+
+    return lambda directory, *refined: run.measure(adapter, directory, refined or (1,))
+
+
+def test_every_case_is_complete():
+    assert len(CASES) >= 25
+    names = [name[3:] for name in CASES]
+    assert [name[:2] for name in CASES] == [f"{k + 1:02}" for k in range(len(CASES))]
+    assert set(SCENARIOS) <= set(names)  # those of the paper
+    for name, directory in CASES.items():
+        case, page = law.description(directory), (directory / "README.md").read_text()
+        assert case["kind"] in ("closed form", "converged"), name
+        assert case["solution"] and set(case["rigid"]) <= set(case["solution"]), name
+        assert {law.UNITS[quantity.rsplit(".", 1)[1]] for quantity in case["solution"]} == set(case["scale"]), name
+        assert all(math.isfinite(value) for value in case["solution"].values()) and 0 < case["tolerance"] <= 0.01, name
+        for heading in ("## Scene", "## Solution", "## Compared", "## Source"):
+            assert heading in page, (name, heading)
+        assert page.startswith(f"# {name[:2]}. {case['title']}\n"), name
+        law.Scene(directory)
+
+
+def test_the_cases_do_not_name_our_program():
+    files = [path for directory in CASES.values() for path in directory.rglob("*") if path.suffix in (".md", ".py", ".toml", ".xml")]
+    files += [REFERENCE / name for name in ("law.py", "forms.py", "solve.py")]
+    for path in files:
+        # LEMONS is the paper's name for the model.
+        assert not re.search("lemons[-_ ]?fmu|lemons [a-z]|crowd-mechanics|crowd_mechanics", path.read_text()), path
+
+
+@pytest.mark.parametrize("name", [name for name, directory in CASES.items() if law.description(directory)["kind"] == "closed form"])
+def test_closed_forms_are_what_is_stored(name):
+    directory = CASES[name]
+    case = law.description(directory)
+    assert law.distance(case, solve.module(directory).solution(), case["solution"]) < 1e-9
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", CASES)
+def test_solutions_are_solved_twice(name):
+    directory = CASES[name]
+    case = law.description(directory)
+    solution, closed, bar, order = solve.examined(directory, quick=True)
+    assert law.distance(case, solution, case["solution"]) < 1e-8
+    if not case["check_step"]:  # a law of conservation, not of contacts
+        return
+    # Two ways agree far better than the tolerance: closed form and integrator, or two integrators (and a part's closed form with them).
+    assert bar < 1e-4 * case["tolerance"]
+    assert closed < 1e-4 * case["tolerance"] or (math.isnan(closed) and case["kind"] == "converged")
+    assert order > 2 or bar < 1e-9
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_our_fmu_agrees(ours, name):
+    found = ours(CASES[name])
+    assert "why" not in found and not found["part"], found
+    assert found["agrees"], found
+
+
+@pytest.mark.parametrize("name", ["01_push_agent_agent", "03_slip_agent_agent", "07_rolling_agent_agent", "10_oblique_impact", "18_two_bodies"])
+def test_our_fmu_comes_nearer_with_shorter_steps(ours, name):
+    assert ours(CASES[name], 1, 2, 4)["order"] > 1.5
+
+
+#: Of each case an attribute that its solution depends on.
+MUTATIONS = {
+    "01": "GammaNormal",
+    "02": "YoungModulus",
+    "03": "KineticFriction",
+    "04": "KineticFriction",
+    "05": "FloorDamping",
+    "06": "AngularDamping",
+    "07": "GammaTangential",
+    "08": "ShearModulus",
+    "09": "GammaNormal",
+    "10": "KineticFriction",
+    "11": "GammaTangential",
+    "12": "KineticFriction",
+    "13": "KineticFriction",
+    "14": "GammaNormal",
+    "16": "GammaNormal",
+    "17": "KineticFriction",
+    "18": "ShearModulus",
+    "19": "FloorDamping",
+    "20": "YoungModulus",
+    "21": "KineticFriction",
+    "22": "AngularDamping",
+    "23": "YoungModulus",
+    "24": "FloorDampingAcross",
+    "25": "LoadLength",
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_another_law_is_caught(ours, tmp_path, name):
+    """By 10 % another coefficient; in the case of conservation a damper of 20 kg/s."""
+    changed = tmp_path / name
+    shutil.copytree(CASES[name], changed)
+    attribute, count = MUTATIONS.get(name[:2], "GammaNormal"), 0
+    for path in changed.rglob("*.xml"):
+        text, found = re.subn(rf'\b{attribute}="([^"]+)"', lambda m: f'{attribute}="{1.1 * float(m[1]) or 20}"', path.read_text())
+        path.write_text(text)
+        count += found
+    found = ours(changed)
+    assert count and "why" not in found and not found["agrees"], (attribute, found)
+
+
+def test_the_runner_prints_a_table(ours, capsys, monkeypatch, tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("".join(f"<!-- {name} -->\nold\n<!-- end of {name} -->\n" for name in ("error", "order", "cost", "parts")))
+    monkeypatch.setattr(sys, "argv", ["run.py", "--engine", "lemons", "--engine", "no_such_engine", "--case", "02", "--write", str(page)])
+    ours(CASES["02_push_agent_wall"])
+    run.main()
+    said = capsys.readouterr()
+    assert "without no_such_engine" in said.err
+    assert re.search(r"(?m)^02_push_agent_wall +\S+e-0\d$", said.out)
+    assert "old" not in page.read_text() and "| 02_push_agent_wall |" in page.read_text()
+    assert all(len(line) <= 100 for line in said.out.splitlines())
+
+
+@pytest.mark.parametrize("engine", OTHERS)
+def test_other_engines_do_the_simplest_case(engine):
+    """Those that are installed: a disk at a wall, by the law or, of hard bodies, by its restitution; JuPedSim: a body that comes to rest."""
+    module = run.installed([engine]).get(engine)
+    if module is None:
+        pytest.skip(f"{engine} is not installed")
+    case = "05_translation" if engine == "jupedsim_social" else "02_push_agent_wall"
+    found = run.measure(module, CASES[case], (1,))
+    assert "why" not in found and found["error"] < 0.1, found
+
+
+def test_the_table_says_what_is_wrong():
+    """An engine that stands still is not within the tolerance, and one that knows nothing is not compared."""
+
+    class Still:
+        cost = 1.0
+
+        def load(self, trial, refine=1):
+            self.scene = law.Scene(trial)
+
+        def step(self, t):
+            pass
+
+        def state(self):
+            return {name: dict(zip(law.COMPONENTS, map(float, row))) | self.more for name, row in zip(self.scene.ids, self.scene.start)}
+
+        def close(self):
+            pass
+
+        more = {}
+
+    class Module:
+        Engine = Still
+
+    for directory in CASES.values():
+        found = run.measure(Module, directory)
+        assert not found.get("agrees") or directory.name.startswith("15"), found
+    Still.more = {"vx": math.nan}
+    assert run.measure(Module, CASES["02_push_agent_wall"])["error"] == math.inf
