@@ -25,6 +25,7 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
+from scipy.spatial import cKDTree
 
 COMPONENTS = ("x", "y", "theta", "vx", "vy", "omega")
 UNITS = {"x": "m", "y": "m", "theta": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s", "speed": "m/s", "wall": "N"}
@@ -58,9 +59,9 @@ class Law:
 
 
 class Scene:
-    """What a Trial says: bodies of disks, walls, and all pairs that may touch."""
+    """What a Trial says: bodies of disks, walls, and all pairs that may touch, or those of disks within a distance [m] at the start."""
 
-    def __init__(self, trial):
+    def __init__(self, trial, within=math.inf):
         law = Law(trial)
         agents = list(ElementTree.parse(Path(trial, "static/Agents.xml")).getroot().iter("Agent"))
         self.ids = [a.get("Id") for a in agents]
@@ -80,7 +81,7 @@ class Scene:
                 kind.append(s.get("MaterialId"))
                 heights.append((number(s, "Bottom", 0), number(s, "Top", math.inf)))
         self.owner, self.radius, self.offset = np.array(owner), np.array(radius), np.array(offset)
-        self.faces = self._faces(trial)
+        self.faces, self.pieces = self._faces(trial)
         numbered = [(f, end) for f, face in enumerate(self.faces) for end in face[:2]]
         self.shared = [(f, g, end) for f, end in numbered for g, other in numbered if f != g and end == other]
 
@@ -88,8 +89,13 @@ class Scene:
             common = min(one[1], other[1]) - max(one[0], other[0])
             return 1.0 if math.isinf(common) else max(common, 0.0) / law.load_length
 
+        self.start, self.fp, self.mp = self._start(trial)
         disks = range(len(owner))
-        found = [(i, j, -1, share(heights[i], heights[j]), kind[j]) for i in disks for j in disks if i < j and owner[i] != owner[j]]
+        pairs = ((i, j) for i in disks for j in disks if i < j)
+        if within < math.inf:
+            centres = (self.start[:, 0] + 1j * self.start[:, 1])[self.owner] + self.offset * np.exp(1j * self.start[:, 2])[self.owner]
+            pairs = sorted(cKDTree(np.c_[centres.real, centres.imag]).query_pairs(2 * self.radius.max() + within))
+        found = [(i, j, -1, share(heights[i], heights[j]), kind[j]) for i, j in pairs if owner[i] != owner[j]]
         found += [(i, -1, f, share(heights[i], face[3]), face[2]) for f, face in enumerate(self.faces) for i in disks]
         found = [pair for pair in found if pair[3] > 0]
         self.i, self.j, self.face = (np.array([pair[k] for pair in found], int) for k in range(3))
@@ -98,22 +104,28 @@ class Scene:
         if (self.mu[self.gt == 0] > 0).any():
             raise ValueError("friction without a tangential damper: the slider's elongation has no equation here")
         self.slack = np.where(self.gt > 0, self.gt, 1.0)
-        self.start, self.fp, self.mp = self._start(trial)
 
     @staticmethod
     def _faces(trial):
-        """Faces (end, end, material, heights). A wall is a set of points: pieces that go on straight are one face."""
-        faces = []
+        """Faces (end, end, material, heights) and the pieces as drawn (end, end, material, face). A wall is a set of points: pieces that go on
+        straight are one face here. Programs get the pieces."""
+        faces, pieces = [], []
         for wall in ElementTree.parse(Path(trial, "static/Geometry.xml")).getroot().iter("Wall"):
             corners = [point(c.get("Coordinates")) for c in wall.iter("Corner")]
-            kept = corners[:1]
-            for before, here, after in zip(corners, corners[1:], corners[2:]):
-                if abs(((after - here) / (here - before)).imag) > 1e-9 * abs((after - here) / (here - before)):
+            kept, material = corners[:1], wall.get("MaterialId")
+            for before, here, after in zip(corners, corners[1:], [*corners[2:], None]):
+                pieces.append((before, here, material, len(faces) + len(kept) - 1))
+                if after is None or abs(((after - here) / (here - before)).imag) > 1e-9 * abs((after - here) / (here - before)):
                     kept.append(here)
-            kept.append(corners[-1])
             heights = (number(wall, "Bottom", 0), number(wall, "Top", math.inf))
-            faces += [(a, b, wall.get("MaterialId"), heights) for a, b in zip(kept, kept[1:])]
-        return faces
+            faces += [(a, b, material, heights) for a, b in zip(kept, kept[1:])]
+        return faces, pieces
+
+    def shortest(self):
+        """The shortest contact [s], without damping: pi sqrt(m/k_n), of two bodies with half of the lighter one; 0.01 s where nothing may touch."""
+        m, other = self.mass[self.owner[self.i]], self.mass[self.owner[self.j]]
+        reduced = np.where(self.j >= 0, np.minimum(m, other) / 2, m)
+        return math.pi * math.sqrt(np.min(reduced / self.kn)) if len(self.i) else 0.01
 
     def _start(self, trial):
         root = ElementTree.parse(Path(trial, "dynamic/AgentDynamics.xml")).getroot()

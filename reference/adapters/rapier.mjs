@@ -12,8 +12,7 @@ function simulate() {
   const world = new R.World({ x: 0, y: 0 });
   world.timestep = task.dt;
   const { Max, Multiply } = R.CoefficientCombineRule;
-  // Friction of two: the product, of which walls have the whole and disks one (or, of two disks, the root).
-  const root = task.walls.length ? 1 : 0.5;
+  // Friction of two: the product. Disks have the root of theirs, and walls what makes their own of it.
   const still = world.createRigidBody(R.RigidBodyDesc.fixed());
   const walls = task.walls.map(([ax, ay, bx, by]) =>
     world.createCollider(
@@ -42,7 +41,7 @@ function simulate() {
         R.ColliderDesc.ball(d.radius)
           .setTranslation(d.x, d.y)
           .setDensity(0)
-          .setFriction(root === 1 ? 1 : Math.sqrt(d.friction))
+          .setFriction(d.friction)
           .setFrictionCombineRule(Multiply)
           .setRestitution(d.restitution)
           .setRestitutionCombineRule(Max),

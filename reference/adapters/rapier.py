@@ -31,14 +31,14 @@ class Engine:
         for k in range(len(s.ids)):
             turn = np.exp(1j * s.start[k, 2])
             disks = [
-                {"x": o.real, "y": o.imag, "radius": s.radius[i], "restitution": hard.restitution[i], "friction": hard.friction[i]}
+                {"x": o.real, "y": o.imag, "radius": s.radius[i], "restitution": hard.restitution[i], "friction": hard.disk_friction**0.5}
                 for i in np.flatnonzero(s.owner == k)
                 for o in [complex(s.offset[i] * turn)]
             ]
             rates = {"along": s.along[k], "angular": s.angular[k], "fx": s.fp[k].real, "fy": s.fp[k].imag, "torque": s.mp[k]}
             bodies.append({"start": s.start[k].tolist(), "mass": s.mass[k], "inertia": s.inertia[k], "disks": disks} | rates)
-        walls = [[a.real, a.imag, b.real, b.imag] for a, b, *_ in s.faces]
-        self.task = {"bodies": bodies, "walls": walls, "wall_friction": hard.wall_friction}
+        walls = [[a.real, a.imag, b.real, b.imag] for a, b, *_ in s.pieces]
+        self.task = {"bodies": bodies, "walls": walls, "wall_friction": hard.ratio * hard.disk_friction**0.5}
         self.refine = refine
 
     def step(self, t):

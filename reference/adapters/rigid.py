@@ -7,6 +7,10 @@ from law import Scene
 from run import CannotExpress
 
 
+#: [m] Distance at the start within which pairs of disks tell restitution and friction: all, but in large crowds of one kind.
+WITHIN = math.inf
+
+
 def restitution(kn, gamma, mass):
     """Of an impact of a spring and a damper (cases 01, 02, 09)."""
     rate = gamma / (2 * mass)
@@ -14,15 +18,16 @@ def restitution(kn, gamma, mass):
 
 
 class Hard:
-    """Of each disk restitution and friction; the walls' friction. Walls give back nothing by themselves: the larger one of two counts."""
+    """Of each disk its restitution; friction of disks among themselves, and of disks at walls. Walls give back nothing by themselves: the larger
+    restitution of two counts. So disks that touch walls and each other have that of the walls."""
 
     def __init__(self, trial):
-        s = self.scene = Scene(trial)
+        s = self.scene = Scene(trial, WITHIN)
         if (s.across != s.along).any():
-            raise CannotExpress("no friction that depends on the gaze")
+            raise CannotExpress("our adapter has no floor that depends on the gaze")
         if trial.name[:2] == "25":
-            raise CannotExpress("no heights")
-        self.restitution, self.friction, self.wall_friction = [0.0] * len(s.owner), [0.0] * len(s.owner), 0.0
+            raise CannotExpress("our adapter has no heights")
+        self.restitution = [0.0] * len(s.owner)
         for wall in (False, True):  # what a wall says comes last, and counts
             for n in np.flatnonzero((s.face >= 0) == wall):
                 i, j = s.i[n], s.j[n]
@@ -31,6 +36,13 @@ class Hard:
                     m = m * s.mass[s.owner[j]] / (m + s.mass[s.owner[j]])
                 e = restitution(s.kn[n], s.gn[n], m)
                 for disk in (i,) if wall else (i, j):
-                    self.restitution[disk], self.friction[disk] = float(e), float(s.mu[n])
-                if wall:
-                    self.wall_friction = float(s.mu[n])
+                    self.restitution[disk] = float(e)
+        if WITHIN < math.inf:  # who is near nobody is as the others are
+            self.restitution = [max(self.restitution)] * len(s.owner)
+        of_pairs, of_walls = ({float(mu) for mu in s.mu[(s.face >= 0) == wall]} for wall in (False, True))
+        if max(len(of_pairs), len(of_walls)) > 1 or (of_pairs == {0.0} and max(of_walls, default=0.0) > 0):
+            raise CannotExpress("our adapter has one friction of disks and one of walls, the former above zero")
+        wall = max(of_walls, default=0.0)
+        self.disk_friction = max(of_pairs, default=wall)
+        #: Friction at walls is `ratio` times that of disks among themselves.
+        self.ratio = wall / self.disk_friction if wall else 0.0

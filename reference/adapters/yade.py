@@ -2,9 +2,9 @@
 
 - Stiffness of a pair is that of two springs behind each other, as in the paper, so materials have 4G^2/(4G - E) and 8G^2/(6G - E).
 - The normal force is cut where it would pull. While it slides there is no tangential damper, and the spring is cut to the friction.
-- A wall is a row of thin boxes; bodies are clumps. The floor is a LinearDragEngine, which knows spheres and translation only.
+- A wall is a row of thin boxes, one for each piece as drawn; bodies are clumps. The floor is a LinearDragEngine, on single spheres only.
 
-The step: a fiftieth of the shortest contact, as the examples of this law have it.
+The step is our choice: a fiftieth of the shortest contact. (YADE's example clump-inbox-viscoelastic.py has a twentieth.)
 """
 
 import json
@@ -32,12 +32,12 @@ class Engine:
     def load(self, trial, refine=1):
         s = self.scene = Scene(trial)
         if (s.across != s.along).any():
-            raise CannotExpress("no friction that depends on the gaze")
+            raise CannotExpress("our adapter has no floor that depends on the gaze")
         if trial.name[:2] == "25":
-            raise CannotExpress("no share of heights")
+            raise CannotExpress("our adapter has no heights")
         bodies = [np.flatnonzero(s.owner == k) for k in range(len(s.ids))]
         if any(len(members) > 1 for members in bodies) and s.along.any():
-            raise CannotExpress("no linear friction of the floor on clumps")
+            raise CannotExpress("our adapter has no friction of the floor on clumps")
         law = Law(trial)
         spring = {name: (4 * g * g / (4 * g - e), 8 * g * g / (6 * g - e)) for name, (e, g) in law.moduli.items()}
         # A damper of a pair is half of the material's where both are the same; the wall's is as large as it needs to be.
@@ -53,7 +53,7 @@ class Engine:
                 damp = (damp[0], damp[1], max(damp[2], s.mu[m]))
             materials[kind] = [*spring[kind], *map(float, damp)]
         self.task = {"materials": materials, "walls": [], "bodies": []}
-        for f, (a, b, name, _) in enumerate(s.faces):
+        for a, b, name, f in s.pieces:
             n = next(n for n in range(len(s.i)) if s.face[n] == f)
             kind = materials[kinds[s.i[n]]]
             damp = [self._other(float(want), have) for want, have in ((s.gn[n], kind[2]), (s.gt[n], kind[3]))]
@@ -63,14 +63,13 @@ class Engine:
             # Masses of the spheres that put the clump's centre of mass at G.
             shares, missing = nnls(np.array([np.ones(len(members)), s.offset[members].real, s.offset[members].imag]), np.array([1.0, 0.0, 0.0]))
             if missing > 1e-12:
-                raise CannotExpress("no clump with this centre of mass")
+                raise CannotExpress("our adapter has no clump with this centre of mass")
             disks = [[*self._xy(s.offset[i] * turn), float(s.radius[i]), kinds[i], float(share)] for i, share in zip(members, shares)]
             rates = {"along": float(s.along[k]), "force": self._xy(s.fp[k]), "torque": float(s.mp[k])}
             self.task["bodies"].append({"start": s.start[k].tolist(), "mass": float(s.mass[k]), "inertia": float(s.inertia[k]), "disks": disks} | rates)
         if s.angular.any() and not len(s.i):
-            raise CannotExpress("no angular friction of the floor")
-        m = np.minimum(s.mass[s.owner[s.i]], np.where(s.j >= 0, s.mass[s.owner[s.j]], np.inf))
-        self.dt = math.pi * math.sqrt(np.min(np.where(s.j >= 0, m / 2, m) / s.kn)) / 50 / refine
+            raise CannotExpress("our adapter has no angular friction of the floor")
+        self.dt = s.shortest() / 50 / refine
 
     @staticmethod
     def _xy(z):
@@ -90,7 +89,7 @@ class Engine:
         if pair == 0:
             return 1e-9  # [kg/s] zero would mean that there is none here, and the other counts
         if pair > one * (1 + 1e-9):
-            raise CannotExpress("dampers of walls are at most those of the body")
+            raise CannotExpress("our adapter has no dampers of walls above those of the body")
         return 0.0 if math.isclose(pair, one, rel_tol=1e-9) else 1 / (1 / pair - 1 / one)
 
     def step(self, t):

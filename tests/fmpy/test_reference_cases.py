@@ -5,6 +5,7 @@ import re
 import shutil
 import sys
 
+import numpy as np
 import pytest
 from crowd import REPOSITORY
 
@@ -59,6 +60,20 @@ def test_closed_forms_are_what_is_stored(name):
     directory = CASES[name]
     case = law.description(directory)
     assert law.distance(case, solve.module(directory).solution(), case["solution"]) < 1e-9
+
+
+@pytest.mark.parametrize("name", ["03_slip_agent_agent", "18_two_bodies"])
+def test_solutions_of_free_pairs_keep_both_momenta(name):
+    """Linear and angular momentum: whatever the forces are, if they are opposite and act at one point."""
+    scene, solution = law.Scene(CASES[name]), law.description(CASES[name])["solution"]
+    end = np.array([[solution[f"{body}.{component}"] for component in law.COMPONENTS] for body in scene.ids])
+
+    def momenta(state):
+        x, y, _, vx, vy, omega = state.T
+        return np.array([scene.mass @ vx, scene.mass @ vy, scene.mass @ (x * vy - y * vx) + scene.inertia @ omega])
+
+    assert np.abs(end[:, 5]).min() > 0.1
+    assert momenta(end) == pytest.approx(momenta(scene.start), rel=1e-8, abs=1e-7)
 
 
 @pytest.mark.long
@@ -146,13 +161,20 @@ def test_the_runner_prints_a_table(ours, capsys, monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("engine", OTHERS)
 def test_other_engines_do_the_simplest_case(engine):
-    """Those that are installed: a disk at a wall, by the law or, of hard bodies, by its restitution; JuPedSim: a body that comes to rest."""
+    """Those that are installed are as near as the page says: a disk at a wall; JuPedSim: a body that comes to rest."""
     module = run.installed([engine]).get(engine)
     if module is None:
         pytest.skip(f"{engine} is not installed")
     case = "05_translation" if engine == "jupedsim_social" else "02_push_agent_wall"
     found = run.measure(module, CASES[case], (1,))
-    assert "why" not in found and found["error"] < 0.1, found
+    assert "why" not in found and found["error"] < 2 * on_the_page(case, module.LABEL), found
+
+
+def on_the_page(case, label):
+    """An error of the table in docs/reference-cases.md."""
+    table = (REPOSITORY / "docs/reference-cases.md").read_text().split("<!-- error -->\n")[1].split("\n<!-- end")[0]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines()]
+    return float(next(row for row in rows if row[0] == case)[rows[0].index(label)].rstrip("!"))
 
 
 def test_the_table_says_what_is_wrong():
@@ -180,6 +202,6 @@ def test_the_table_says_what_is_wrong():
 
     for directory in CASES.values():
         found = run.measure(Module, directory)
-        assert not found.get("agrees") or directory.name.startswith("15"), found
+        assert not found.get("agrees"), found
     Still.more = {"vx": math.nan}
     assert run.measure(Module, CASES["02_push_agent_wall"])["error"] == math.inf
