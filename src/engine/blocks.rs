@@ -13,7 +13,7 @@ use super::levels::{ChestForce, ChestSum};
 use super::near_pairs::{Candidates, FIRST_EVALUATION, NearPairs};
 use super::report::ContactReport;
 use super::wall_contacts::WallContacts;
-use super::{ContactDisk, Pair, Pose, Scene, State, Threads, Twist, Work};
+use super::{ContactDisk, Pair, Pose, Scene, State, Threads, Twist, Vec2, Work};
 
 /// Number of bodies of a block. It is large enough that few pairs connect two blocks and that giving it to a thread is
 /// cheap, and small enough that a crowd of a thousand can be shared. It affects the last digits of results.
@@ -158,10 +158,17 @@ impl Blocks {
         listed: impl Fn(usize) -> bool + Sync,
     ) -> Result<(), Crowded> {
         let limit = PairLimit::new(scene);
-        let kinematics = &self.kinematics[..];
+        let mut disks = vec![Circle { centre: Vec2::zeros(), radius: 0.0 }; scene.disks.len()];
+        for (b, body) in scene.bodies.iter().enumerate().filter(|(b, _)| listed(*b)) {
+            for disk in body.disks.clone() {
+                let ContactDisk { offset, radius, .. } = scene.disks[disk];
+                disks[disk] = Circle { centre: self.kinematics[b].centre(offset), radius };
+            }
+        }
+        let disks = &disks[..];
         threads.each(self.blocks.iter_mut().enumerate(), |(k, block)| {
             let bodies = (k * BLOCK..((k + 1) * BLOCK).min(circles.len())).filter(|&b| listed(b));
-            list(scene, kinematics, grid, circles, bodies, &mut block.candidates, &limit);
+            list(scene, disks, grid, circles, bodies, &mut block.candidates, &limit);
         });
         limit.check(scene, grid, circles)
     }

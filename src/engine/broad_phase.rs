@@ -1,6 +1,5 @@
 //! Finds bodies that may meet: a cell grid over circles, and the sorted list of candidate pairs.
 
-use super::body_kinematics::BodyKinematics;
 use super::circle::Circle;
 use super::near_pairs::Candidates;
 use super::{BodyId, DiskId, FaceId, Scene, Vec2};
@@ -9,9 +8,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
 /// \[m\] Pairs nearer than this are candidates. The list is valid while no disk has moved by more than half of the
-/// difference to [`NearMargin`]. A larger skin means longer lists that are made less often. The choice of free bodies, and
-/// the time when one becomes active, depend on it; so do the last digits of results.
-pub(super) const SKIN: f64 = 0.02;
+/// difference to [`NearMargin`]. A larger skin means longer lists that are made less often. The motion does not depend on it.
+pub(super) const SKIN: f64 = 0.03;
+
+/// \[m\] Active bodies nearer than this to one that is free make it active. This is looked at again as soon as a disk
+/// may have moved by half of the difference to [`NearMargin`]. The choice of free bodies, and the time when one becomes
+/// active, depend on it; so do the last digits of results.
+pub(super) const AWAKE: f64 = 0.02;
 
 /// \[m\] Candidates nearer than this are checked in every mechanical step. The list is valid while no disk has moved by
 /// more than half of this.
@@ -26,7 +29,7 @@ impl Default for NearMargin {
 
 impl NearMargin {
     /// \[m\] Largest value, so that a mechanical step has fewer pairs to check than all candidates.
-    const LARGEST: f64 = 0.5 * SKIN;
+    const LARGEST: f64 = 0.5 * AWAKE;
     /// \[m\] Smallest value.
     const SMALLEST: f64 = 0.0005;
     /// \[m^½\] For a movement m per step, a list lasts near/2m steps and its length is proportional to near. Making it
@@ -70,6 +73,16 @@ impl CellGrid {
     /// Makes a grid of some circles, to find those nearer than a margin \[m\].
     pub fn new(circles: &[Circle], who: impl Iterator<Item = usize> + Clone, margin: f64) -> CellGrid {
         let largest = who.clone().map(|k| circles[k].radius).fold(0.0, f64::max);
+        CellGrid::near(largest, circles, who, margin)
+    }
+
+    /// Makes the same for circles up to a radius \[m\] that look for those in the grid, which are no larger.
+    pub fn near(
+        largest: f64,
+        circles: &[Circle],
+        who: impl Iterator<Item = usize> + Clone,
+        margin: f64,
+    ) -> CellGrid {
         // With fewer entries the three rows around a cell might share some.
         let places = who.clone().count().next_power_of_two().max(64);
         let mut grid = CellGrid {
@@ -99,9 +112,11 @@ impl CellGrid {
         grid
     }
 
-    /// `as` saturates: circles far away and circles that are not finite share the outermost cells.
+    /// The floor. `as` saturates: circles far away and circles that are not finite share the outermost cells.
     fn cell(&self, coordinate: f64) -> i64 {
-        libm::floor(coordinate * self.cells_per_length) as i64
+        let cells = coordinate * self.cells_per_length;
+        let towards_zero = cells as i64;
+        towards_zero.saturating_sub(i64::from(cells < towards_zero as f64))
     }
 
     fn place(&self, row: i64, column: i64) -> u64 {
@@ -134,7 +149,7 @@ impl CellGrid {
 
 /// Largest number of candidates of a small crowd. Each takes up to 250 bytes while it touches: 0.5 GB in all.
 const MOST_PAIRS: usize = 2_000_000;
-/// Largest number of candidates per disk of a larger crowd: about ten times that of the densest crowds of people.
+/// Largest number of candidates per disk of a larger crowd: several times that of the densest crowds of people.
 const MOST_PAIRS_PER_DISK: usize = 32;
 
 /// More pairs are near each other than the limit of memory allows, for example if everybody is at one point.
@@ -206,10 +221,11 @@ pub(super) fn nears_a_face(scene: &Scene, circle: &Circle, margin: f64, found: &
 }
 
 /// Lists every pair of a disk of some bodies, ascending, with a disk of a later body or a face nearer than the skin, as
-/// long as there is space. The circles of all bodies are in the grid.
+/// long as there is space. The circles of all bodies are in the grid; `disks` are those of all listed bodies, each at
+/// its place.
 pub(super) fn list(
     scene: &Scene,
-    kinematics: &[BodyKinematics],
+    disks: &[Circle],
     grid: &CellGrid,
     circles: &[Circle],
     bodies: impl Iterator<Item = usize>,
@@ -219,21 +235,24 @@ pub(super) fn list(
     match scene.levels.as_deref() {
         None => {
             let all = |_, body: usize| std::iter::once(scene.bodies[body].disks.clone());
-            list_those(scene, kinematics, grid, circles, bodies, (all, |_, _| true), candidates, limit);
+            list_those(scene, disks, grid, circles, bodies, (all, |_, _| true), candidates, limit);
         }
         Some(levels) => {
             let beside = |disk, body| levels.beside(disk, body);
             let meets = |disk, face: FaceId| levels.meets_face(disk, &scene.faces[face.index()]);
-            list_those(scene, kinematics, grid, circles, bodies, (beside, meets), candidates, limit);
+            list_those(scene, disks, grid, circles, bodies, (beside, meets), candidates, limit);
         }
     }
 }
+
+/// Number of disks that are looked at together.
+const AT_ONCE: usize = 8;
 
 /// Lists them: of a disk and a body the disks that may touch, of a disk and a face whether they may.
 #[expect(clippy::too_many_arguments)]
 fn list_those<I: Iterator<Item = Range<usize>>>(
     scene: &Scene,
-    kinematics: &[BodyKinematics],
+    disks: &[Circle],
     grid: &CellGrid,
     circles: &[Circle],
     bodies: impl Iterator<Item = usize>,
@@ -260,16 +279,17 @@ fn list_those<I: Iterator<Item = Range<usize>>>(
         }
         for i in scene.bodies[a].disks.clone() {
             let before = candidates.disks.len() + candidates.faces.len();
-            let disk = &scene.disks[i];
-            let own = Circle { centre: kinematics[a].centre(disk.offset), radius: disk.radius };
+            let own = disks[i];
             for &b in later.iter().filter(|&&b| own.nears(&circles[b], SKIN)) {
                 for range in beside(i, b) {
-                    for j in range {
-                        let disk = &scene.disks[j];
-                        let other = Circle { centre: kinematics[b].centre(disk.offset), radius: disk.radius };
-                        if own.nears(&other, SKIN) {
-                            candidates.disks.push((DiskId::from(i), DiskId::from(j)));
+                    for start in range.clone().step_by(AT_ONCE) {
+                        // No branches: processors cannot predict which disks are near.
+                        let (mut near, mut count) = ([DiskId(0); AT_ONCE], 0);
+                        for (j, other) in disks[start..range.end.min(start + AT_ONCE)].iter().enumerate() {
+                            near[count % AT_ONCE] = DiskId::from(start + j);
+                            count += usize::from(own.nears(other, SKIN));
                         }
+                        candidates.disks.extend(near[..count].iter().map(|&j| (DiskId::from(i), j)));
                     }
                 }
             }

@@ -7,7 +7,8 @@
 //! 310 (2025) 109524). This keeps second order for forces that depend on velocity.
 
 use super::blocks::{BLOCK, Blocks, Bodies};
-use super::broad_phase::{CellGrid, Crowded, NearMargin, SKIN};
+use super::body_kinematics::BodyKinematics;
+use super::broad_phase::{AWAKE, CellGrid, Crowded, NearMargin, SKIN};
 use super::circle::Circle;
 use super::contacts::{SpringUpdate, Step, greater};
 use super::free_flight::{AcrossFlight, Course, Ramp};
@@ -133,6 +134,8 @@ pub(super) struct CommunicationStep<'a, D: Course> {
     pub leeway: f64,
     /// Number of steps before that list was made.
     pub listed: u64,
+    /// The poses when it was last looked for free bodies near active ones; empty if nobody is free.
+    pub awoken_at: Vec<Pose>,
 }
 
 impl<D: Course> CommunicationStep<'_, D> {
@@ -170,9 +173,11 @@ impl<D: Course> CommunicationStep<'_, D> {
             self.flights = D::flights(self.scene, self.mechanical.dt);
             self.across = AcrossFlight::all_over(self.scene, self.mechanical.dt);
         }
-        // What was learnt in the step before is not part of the state, and free bodies become active when lists are made.
+        // What was learnt in the step before is not part of the state, and free bodies are woken when lists are made.
         self.scratch.near = NearMargin::default();
-        self.list_candidates(0)?;
+        let mut circles = self.circles();
+        self.awake(0, &mut circles);
+        self.list_candidates(&circles)?;
         self.take_near();
         Ok(())
     }
@@ -238,67 +243,93 @@ impl<D: Course> CommunicationStep<'_, D> {
         let moved = 0.5 * self.scratch.near.0 - self.leeway;
         self.scratch.near = NearMargin::for_movement(moved / (step - self.listed) as f64);
         self.listed = step;
-        let Scratch { blocks, listed_at, near } = &*self.scratch;
-        let leeway = 0.5 * (SKIN - near.0);
-        let holds = |mover: &Mover<D>| {
-            let b = mover.body.index();
-            !moved_further(leeway, mover.reach, &listed_at[b], &blocks.kinematics[b].pose())
-        };
-        if !all(&self.movers).all(holds) {
-            self.list_candidates(step)?;
+        let stale = !self.within(SKIN, &self.scratch.listed_at);
+        let asleep = !self.awoken_at.is_empty() && !self.within(AWAKE, &self.awoken_at);
+        if stale || asleep {
+            let mut circles = self.circles();
+            if asleep && self.awake(step, &mut circles) || stale {
+                self.list_candidates(&circles)?;
+            }
         }
         self.take_near();
         Ok(())
     }
 
-    /// Lists the candidates of the active bodies. Before that, free bodies near an active one become active.
-    fn list_candidates(&mut self, step: u64) -> Result<(), Crowded> {
-        self.work.rebuilds += 1;
-        let mut circles: Vec<Circle> = self.shortlist.swept.clone();
-        for mover in all(&self.movers) {
+    /// Whether no disk has moved so far since some poses that a list up to a margin \[m\] misses a near pair.
+    fn within(&self, margin: f64, poses: &[Pose]) -> bool {
+        let Scratch { blocks, near, .. } = &*self.scratch;
+        let leeway = 0.5 * (margin - near.0);
+        let holds = |mover: &Mover<D>| {
             let b = mover.body.index();
-            circles[b] = self.circle_now(b);
-        }
-        if self.shortlist.activity.contains(&Activity::Free) {
-            self.activate_near(&mut circles, step);
-        }
-        let grid = self.grid(&circles, |activity| activity == Activity::Active);
+            !moved_further(leeway, mover.reach, &poses[b], &blocks.kinematics[b].pose())
+        };
+        all(&self.movers).all(holds)
+    }
+
+    /// Lists the candidates of the active bodies, which are in these circles.
+    fn list_candidates(&mut self, circles: &[Circle]) -> Result<(), Crowded> {
+        self.work.rebuilds += 1;
+        let activity = &self.shortlist.activity;
+        let active = (0..circles.len()).filter(|&b| activity[b] == Activity::Active);
+        let grid = CellGrid::new(circles, active, SKIN);
         let Scratch { blocks, listed_at, .. } = &mut *self.scratch;
         for mover in all(&self.movers) {
             let b = mover.body.index();
             listed_at[b] = blocks.kinematics[b].pose();
         }
-        let activity = &self.shortlist.activity;
-        blocks.list(self.scene, self.threads, &grid, &circles, |b| activity[b] == Activity::Active)
+        blocks.list(self.scene, self.threads, &grid, circles, |b| activity[b] == Activity::Active)
+    }
+
+    /// Makes free bodies near active ones active; returns whether there were some.
+    fn awake(&mut self, step: u64, circles: &mut [Circle]) -> bool {
+        let count = |activity: &[Activity]| activity.iter().filter(|each| **each == Activity::Free).count();
+        let before = count(&self.shortlist.activity);
+        if before > 0 {
+            self.activate_near(circles, step);
+        }
+        let free = count(&self.shortlist.activity);
+        self.awoken_at.clear();
+        if free > 0 {
+            self.awoken_at.extend(self.scratch.blocks.kinematics.iter().map(BodyKinematics::pose));
+        }
+        free < before
+    }
+
+    /// Returns the circles of active bodies now, and of free ones during the communication step.
+    fn circles(&self) -> Vec<Circle> {
+        let mut circles = self.shortlist.swept.clone();
+        for mover in all(&self.movers) {
+            let b = mover.body.index();
+            circles[b] = self.circle_now(b);
+        }
+        circles
     }
 
     /// Makes free bodies near active ones active, then those near these, and so on.
     fn activate_near(&mut self, circles: &mut [Circle], step: u64) {
-        let grid = self.grid(circles, |activity| activity != Activity::Absent);
+        let activity = &self.shortlist.activity;
+        let who = |wanted: fn(Activity) -> bool| (0..circles.len()).filter(move |&b| wanted(activity[b]));
+        let there = who(|activity| activity != Activity::Absent);
+        let largest = there.map(|b| circles[b].radius).fold(0.0, f64::max);
+        let grid = CellGrid::near(largest, circles, who(|activity| activity == Activity::Free), AWAKE);
         let mut waiting: Vec<usize> = all(&self.movers).map(|mover| mover.body.index()).collect();
         let (mut disks, mut near) = (Vec::new(), Vec::new());
         while let Some(active) = waiting.pop() {
             disks.clear();
             disks.extend(disks_of(self.scene, active, &self.scratch.blocks.kinematics[active]));
             near.clear();
-            grid.for_each_near(&circles[active], SKIN, |b| {
+            grid.for_each_near(&circles[active], AWAKE, |b| {
                 if self.shortlist.activity[b] == Activity::Free {
                     near.push(b);
                 }
             });
-            near.retain(|&b| self.shortlist.nears(self.scene, &disks, b, SKIN));
+            near.retain(|&b| self.shortlist.nears(self.scene, &disks, b, AWAKE));
             for &b in &near {
                 self.take_in(b, step);
                 circles[b] = self.circle_now(b);
             }
             waiting.append(&mut near);
         }
-    }
-
-    /// Makes a grid of the bodies whose activity is wanted.
-    fn grid(&self, circles: &[Circle], wanted: impl Fn(Activity) -> bool + Copy) -> CellGrid {
-        let activity = &self.shortlist.activity;
-        CellGrid::new(circles, (0..circles.len()).filter(|&b| wanted(activity[b])), SKIN)
     }
 
     /// Makes the list of near pairs from the candidates.

@@ -3,7 +3,7 @@
 //! Without contact a body follows the closed-form solution for its drive. So circles can be computed that contain
 //! each of its disks from beginning to end. Bodies whose circles stay clear of each other and of every wall are *free*.
 //! The proof is maintained during the step: bodies that are not free move by mechanical steps, and as soon as a disk of
-//! one comes nearer than the skin to a circle of a free body, the free body moves by mechanical steps too, from its
+//! one comes nearer than 20 mm (`AWAKE`) to a circle of a free body, the free body moves by mechanical steps too, from its
 //! closed-form pose at that instant. So a push that travels through a row within one step is not missed.
 
 use super::body_kinematics::BodyKinematics;

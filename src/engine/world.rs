@@ -519,6 +519,7 @@ impl World {
             across: Vec::new(),
             leeway: 0.0,
             listed: 0,
+            awoken_at: Vec::new(),
         };
         let state = threads.enter(|| step.run(steps));
         self.work = [self.work, self.scratch.blocks.take_work()].into_iter().sum();
