@@ -18,9 +18,9 @@ export type Curve = (typeof CURVES)[number];
 export class Frames {
     /** How many there are. */
     count = 0;
-    /** Numbers of a frame, and of it with those that may follow, column by column. */
+    /** How many numbers a frame has, and how many with those that may follow, column by column: so many are added. */
     readonly length: number;
-    readonly #whole: number;
+    readonly whole: number;
     readonly #perBlock: number;
     #blocks: Float32Array[] = [];
     #curves: Record<Curve, Float32Array>;
@@ -37,8 +37,8 @@ export class Frames {
         further: number,
     ) {
         this.length = COLUMNS * agents;
-        this.#whole = this.length + further * agents;
-        this.#perBlock = Math.max(1, Math.floor(BLOCK_BYTES / (4 * Math.max(1, this.#whole))));
+        this.whole = this.length + further * agents;
+        this.#perBlock = Math.max(1, Math.floor(BLOCK_BYTES / (4 * Math.max(1, this.whole))));
         const curve = () => new Float32Array(1024);
         this.#curves = { speed: curve(), squeeze: curve(), greatest: curve(), contacts: curve(), left: curve() };
         this.#between = new Float32Array(this.length);
@@ -46,12 +46,12 @@ export class Frames {
 
     /** What a frame occupies. */
     get bytes() {
-        return 4 * this.#whole + 4 * CURVES.length;
+        return 4 * this.whole + 4 * CURVES.length;
     }
 
     /** Appends so many frames, which lie one after the other. */
     add(numbers: Float64Array, count: number) {
-        const length = this.#whole;
+        const length = this.whole;
         for (let k = 0; k < count; k++) {
             const place = this.count % this.#perBlock;
             if (place === 0) this.#blocks.push(new Float32Array(this.#perBlock * length));
@@ -110,8 +110,8 @@ export class Frames {
     }
 
     #all(k: number): Float32Array {
-        const start = (k % this.#perBlock) * this.#whole;
-        return this.#blocks[Math.floor(k / this.#perBlock)]!.subarray(start, start + this.#whole);
+        const start = (k % this.#perBlock) * this.whole;
+        return this.#blocks[Math.floor(k / this.#perBlock)]!.subarray(start, start + this.whole);
     }
 
     /** Where a column begins in a frame, and how far it is from agent to agent. */
@@ -121,7 +121,7 @@ export class Frames {
 
     number(k: number, agent: number, column: number): number {
         const [start, stride] = this.#column(column);
-        return this.#blocks[Math.floor(k / this.#perBlock)]![(k % this.#perBlock) * this.#whole + start + stride * agent]!;
+        return this.#blocks[Math.floor(k / this.#perBlock)]![(k % this.#perBlock) * this.whole + start + stride * agent]!;
     }
 
     /** Between two frames: poses in proportion (angles are not wrapped), the rest as in the earlier one. Valid until the
@@ -155,7 +155,7 @@ export class Frames {
         // In the first frame, no step was computed yet.
         const from = Math.min(k, Math.max(1, k - last + 1));
         for (let j = from; j <= k; j++) {
-            const start = (j % this.#perBlock) * this.#whole + first;
+            const start = (j % this.#perBlock) * this.whole + first;
             const block = this.#blocks[Math.floor(j / this.#perBlock)]!;
             for (let a = 0; a < this.agents; a++) means[a]! += block[start + stride * a]!;
         }

@@ -111,7 +111,7 @@ async function run(client: Client, from: Made, made: Made, doors: unknown[], unt
         const numbers = new Float64Array(bytes);
         // Answers may be longer than needed: how long depends on the machine.
         for (let k = 0; k < steps && !ended(); k++) {
-            frames.add(numbers.subarray(k * frames.length), 1);
+            frames.add(numbers.subarray(k * frames.whole), 1);
             deepest = value.overlaps[k]!;
         }
         frames.forget([ofTenth, ofSecond]);

@@ -103,7 +103,7 @@ def test_heights_that_are_hardly_meant_are_told(lemons, tmp_path):
     assert ids >= {"chest-at-no-disk", "load-length"}, ids
     assert any("ChestHeight 3.0 m (2 agents in all)" in line for line in lines), lines
     # The two slabs are from 0.5 m to 1.7 m.
-    assert any("4.0 times the stiffness of the plan view (12 agents in all): LoadLength is 0.3 m" in line for line in lines), lines
+    assert any("4.0 times the stiffness of the plan view (12 agents in all): is LoadLength, 0.3 m, right?" in line for line in lines), lines
 
 
 def test_the_end_of_a_run_is_told_alike(lemons, tmp_path):

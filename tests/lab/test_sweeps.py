@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
-from visit import Picture, download, example, fill, given, lemons, live, make, places, plan, rows, tab, wait
+from visit import Picture, download, example, fill, given, lemons, live, make, places, plan, rows, seconds, tab, wait
 
 
 def room(page: Page) -> None:
@@ -270,3 +270,27 @@ def test_the_report_says_what_a_sweep_was_made_of(page: Page) -> None:
         assert of_people.all_inner_texts() == [f"People\t{people}", "People\t16"]
         expect(changed).to_have_count(1 if differs else 0)
         page.get_by_role("button", name="Back to the lab").click()
+
+
+def test_runs_of_people_in_levels_have_the_numbers_of_the_command(page: Page, tmp_path: Path) -> None:
+    room(page)
+    tab(page, "Crowd")
+    page.get_by_label("Levels").select_option("2")
+    live(page)
+    tab(page, "Start")
+    page.get_by_text("A sweep: many values").click()
+    page.get_by_role("combobox", name="Parameter").select_option(label="Width of the door [m]")
+    page.get_by_label("Values [m]").fill("1.5")
+    fill(page, "Seeds for each value", 1)
+    page.get_by_role("button", name="Begin the sweep").click()
+    expect(page.get_by_text("1 of 1 runs until 120 s.")).to_be_visible()
+    (run,) = rows(given(page, "Runs of the sweep (CSV)", tmp_path))
+    page.locator("svg.runs circle").first.dispatch_event("click")
+    expect(page.get_by_label("Name of the scene")).to_have_value("A crowd, Width of the door 1.5, seed 1")
+    # It is another run, which begins anew.
+    wait(page, lambda: seconds(page) < 1.5)
+    wait(page, lambda: seconds(page) > 3)
+    table = tmp_path / "run.csv"
+    lemons("run", download(page, "Trial (zip)", tmp_path), "--until", "left", "-o", table)
+    wanted = of_table(table)
+    assert {name: float(run[name]) for name in wanted} == pytest.approx(wanted, rel=1e-5)

@@ -180,7 +180,7 @@ rules! {
         CHEST_NOWHERE "agent" "agent {agent:?}: none of its shapes is at its ChestHeight {height:?} m{others}: the load on its chest is 0",
     ];
     LoadLength "load-length" Warning: "Materials.xml", "things of some height touch much more stiffly than their moduli say", "give LoadLength the height over which they touch", [
-        LOAD_LENGTH_SHORT "stiff" "agent {agent:?} can touch something with {share:.1} times the stiffness of the plan view{others}: LoadLength is {length:?} m, and the common height is longer",
+        LOAD_LENGTH_SHORT "stiff" "agent {agent:?} can touch something with {share:.1} times the stiffness of the plan view{others}: is LoadLength, {length:?} m, right?",
     ];
     WallsSize "walls-size" Warning: "Geometry.xml", "walls are very small or large for the people", "give Coordinates in metres", [
         WALLS_SMALL "small" "the walls span {width:.3} m × {height:.3} m, less than an agent: are their Coordinates in metres?",
