@@ -48,6 +48,7 @@ NOT_RUN = {
     ("docs/calibration.md", "python examples/calibrate.py"): "needs measured data, and minutes; test_sweep.py runs its parts",
     ("docs/validation.md", "python examples/validation.py"): "takes minutes; test_walking_models.py runs its quick cases",
     ("docs/reference-cases.md", "python reference/run.py"): "needs engines of others, and minutes; test_reference_cases.py runs ours",
+    ("docs/reference-cases.md", "python reference/speed.py"): "needs engines of others, and minutes; test_reference_cases.py runs ours",
     ("docs/standards.md", "python examples/standards/book.py"): "takes minutes; test_standards.py runs the quick scenes",
     ("docs/scenes.md", "python examples/scenes/scenes.py all"): "test_pictures.py draws them; the other commands of the page are run",
     ("docs/scenes.md", "python examples/trains.py"): "takes half a minute; test_sources.py runs the first train",

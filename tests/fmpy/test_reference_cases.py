@@ -3,6 +3,7 @@
 import math
 import re
 import shutil
+import subprocess
 import sys
 
 import numpy as np
@@ -89,6 +90,16 @@ def test_solutions_are_solved_twice(name):
     assert bar < 1e-4 * case["tolerance"]
     assert closed < 1e-4 * case["tolerance"] or (math.isnan(closed) and case["kind"] == "converged")
     assert order > 2 or bar < 1e-9
+
+
+@pytest.mark.long
+def test_speed_is_said_of_the_longest_step_that_is_right(ours):
+    command = [sys.executable, REFERENCE / "speed.py", "--people", "30", "--rounds", "1", "--engine", "none"]
+    said = subprocess.run(command, check=True, capture_output=True, text=True, timeout=600).stdout
+    for material, step in (("human_soft", 1e-3), ("human_naked", 5e-6)):
+        found, error = re.search(rf"{material}, (\S+) s: error of nine of ten \S+ mm, greatest (\S+) mm", said).groups()
+        assert float(found) >= step and float(error) <= 1.0, said
+        assert float(re.search(rf"{material}, {found} s +(\S+)", said)[1]) > 0
 
 
 @pytest.mark.parametrize("name", CASES)
