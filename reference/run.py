@@ -125,6 +125,9 @@ def main():
     parser.add_argument("--case", action="append", default=[])
     parser.add_argument("--write", type=Path)
     arguments = parser.parse_args()
+    unknown = [number for number in arguments.case if not directories([number])]
+    if unknown:
+        parser.error(f"no case begins with {unknown[0]!r}: they are {', '.join(directory.name for directory in directories())}")
     modules, rows = installed(arguments.engine or ENGINES), {}
     for directory in directories(arguments.case):
         rows[directory.name] = {name: measure(module, directory, runs=RUNS) for name, module in modules.items()}
