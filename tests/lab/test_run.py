@@ -10,7 +10,7 @@ from pathlib import Path
 import fmpy
 import pytest
 from playwright.sync_api import Page, expect
-from visit import LEMONS, Picture, download, example, fill, held, lemons, make, play_until, rows, same_table, seconds, tab, wait
+from visit import LEMONS, Picture, download, example, fill, held, lemons, make, play_until, rows, same_table, seconds, show_at, tab, wait
 
 
 def test_the_first_example_moves_when_the_page_is_opened(page: Page, tmp_path: Path) -> None:
@@ -150,7 +150,6 @@ def test_those_who_leave_by_a_door_are_gone(page: Page, tmp_path: Path) -> None:
     tab(page, "Start")
     page.get_by_label("Open a zip").set_input_files(trial)
     expect(page.get_by_text('"room.zip": 20 people')).to_be_visible()
-    page.get_by_label("Pace").select_option(label="4 ×")
     table = tmp_path / "run.csv"
     lemons("run", trial, "--until", "15", "-o", table, "--outputs", tmp_path / "outputs.csv")
     whole = rows(table)
@@ -165,9 +164,8 @@ def test_those_who_leave_by_a_door_are_gone(page: Page, tmp_path: Path) -> None:
     # Where somebody was last, others walk: a moment is looked for at which nobody does.
     now, there, alone, left = [], [], None, None
     for moment in range(60, 100, 3):
-        play_until(page, moment / 10)
-        time = seconds(page)
-        now = [row for row in whole if abs(float(row["t"]) - time) < 1e-6]
+        show_at(page, moment / 10)
+        now = [row for row in whole if abs(float(row["t"]) - moment / 10) < 1e-6]
         there = [row for row in now if row["active"] == "1"]
         alone, left = lonely(there, there), lonely([row for row in now if row["active"] == "0"], there)
         if alone and left:

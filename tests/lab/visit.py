@@ -206,6 +206,7 @@ class Picture:
         wait(page, lambda: plan(page)["line"] is not None)
         (left, top), (right, foot) = plan(page)["line"]
         page.get_by_role("button", name="Remove the line").click()
+        wait(page, lambda: plan(page)["line"] is None)
         self.scale = (ends[1][0] - ends[0][0]) / (right - left)
         self.origin = ends[0][0] - self.scale * left, ends[0][1] + self.scale * top
         assert abs(ends[1][1] - self.origin[1] + self.scale * foot) < 1
