@@ -4,7 +4,7 @@
 //! order of every sum, and with it every bit of the results, is the same for any number of threads.
 
 use super::body_kinematics::BodyKinematics;
-use super::broad_phase::{CellGrid, Crowded, NearMargin, PairLimit, list};
+use super::broad_phase::{CellGrid, Crowded, Listing, PairLimit, SKIN, list, moved_further};
 use super::circle::Circle;
 use super::contact_geometry::Instant;
 use super::contacts::{Impulse, Load, OnWall, OutgoingLoad, SpringUpdate, Sums, WallForce};
@@ -12,12 +12,16 @@ use super::exposure::{ExposureSum, Exposures, FaceSum};
 use super::levels::{ChestForce, ChestSum};
 use super::near_pairs::{Candidates, FIRST_EVALUATION, NearPairs};
 use super::report::ContactReport;
+use super::shortlist::disks_of;
 use super::wall_contacts::WallContacts;
-use super::{ContactDisk, Pair, Pose, Scene, State, Threads, Twist, Vec2, Work};
+use super::{Body, ContactDisk, Pair, Pose, Scene, State, Threads, Twist, Vec2, Work};
 
 /// Number of bodies of a block. It is large enough that few pairs connect two blocks and that giving it to a thread is
 /// cheap, and small enough that a crowd of a thousand can be shared. It affects the last digits of results.
 pub(super) const BLOCK: usize = 512;
+
+/// A pose so far away from all others that the pairs of a body must be listed.
+const UNLISTED: Pose = Pose { position: Vec2::new(f64::NAN, f64::NAN), orientation: f64::NAN };
 
 /// The pairs of the bodies `BLOCK·k` to `BLOCK·(k + 1)`.
 #[derive(Debug, Clone, Default)]
@@ -52,6 +56,10 @@ pub(super) struct Blocks {
     pub kinematics: Vec<BodyKinematics>,
     /// One for each body.
     pub flown: Vec<Flown>,
+    /// \[m\] For each body the margin of its near pairs; zero for those that do not move by mechanical steps.
+    pub margins: Vec<f64>,
+    /// The poses at which bodies were listed; not a number for those that are not listed.
+    listed_at: Vec<Pose>,
     /// \[N.s\] For each body the impulse by walls since [`Blocks::load`]: few bodies touch one.
     pub by_walls: Vec<f64>,
     /// For each face the sums since then.
@@ -95,6 +103,8 @@ impl Blocks {
             blocks: vec![Block::default(); bodies.div_ceil(BLOCK)],
             kinematics: vec![BodyKinematics::default(); bodies],
             flown: vec![Flown::default(); bodies],
+            margins: vec![0.0; bodies],
+            listed_at: vec![UNLISTED; bodies],
             by_walls: vec![0.0; bodies],
             faces: vec![FaceSum::default(); scene.faces.len()],
             panels: vec![FaceSum::default(); scene.panels.count()],
@@ -145,7 +155,13 @@ impl Blocks {
         }
     }
 
-    /// Lists the candidates of some bodies. `circles` are those of all bodies, which are in the grid.
+    /// Forgets all candidates: bodies or walls come or go, or bodies are put elsewhere.
+    pub fn forget_candidates(&mut self) {
+        self.listed_at.fill(UNLISTED);
+        self.blocks.iter_mut().for_each(|block| block.candidates = Candidates::default());
+    }
+
+    /// Lists the candidates of some bodies, anew for those that have moved too far; returns their number.
     ///
     /// # Errors
     /// There are more candidates than the limit.
@@ -153,33 +169,56 @@ impl Blocks {
         &mut self,
         scene: &Scene,
         threads: &Threads,
-        grid: &CellGrid,
-        circles: &[Circle],
         listed: impl Fn(usize) -> bool + Sync,
-    ) -> Result<(), Crowded> {
-        let limit = PairLimit::new(scene);
-        let mut disks = vec![Circle { centre: Vec2::zeros(), radius: 0.0 }; scene.disks.len()];
+    ) -> Result<u64, Crowded> {
+        let mut anew = vec![false; scene.bodies.len()];
+        let mut moved = Vec::new();
         for (b, body) in scene.bodies.iter().enumerate().filter(|(b, _)| listed(*b)) {
-            for disk in body.disks.clone() {
-                let ContactDisk { offset, radius, .. } = scene.disks[disk];
-                disks[disk] = Circle { centre: self.kinematics[b].centre(offset), radius };
+            let pose = self.kinematics[b].pose();
+            if moved_further(0.5 * SKIN - self.margins[b], body.reach, &self.listed_at[b], &pose) {
+                self.listed_at[b] = pose;
+                anew[b] = true;
+                moved.push(b);
             }
         }
-        let disks = &disks[..];
+        if moved.is_empty() {
+            return Ok(0);
+        }
+        let circle =
+            |(pose, body): (&Pose, &Body)| Circle { centre: pose.position, radius: body.bounding_radius };
+        let circles: Vec<Circle> = self.listed_at.iter().zip(&scene.bodies).map(circle).collect();
+        let mut disks = vec![Circle { centre: Vec2::zeros(), radius: 0.0 }; scene.disks.len()];
+        for (b, body) in scene.bodies.iter().enumerate().filter(|(b, _)| listed(*b)) {
+            let there = BodyKinematics::at(self.listed_at[b], Twist::default());
+            for (to, disk) in disks[body.disks.clone()].iter_mut().zip(disks_of(scene, b, &there)) {
+                *to = disk;
+            }
+        }
+        let who = (0..circles.len()).filter(|&b| listed(b));
+        let grid = CellGrid::new(&circles, who, SKIN);
+        for &b in &moved {
+            grid.for_each_near(&circles[b], SKIN, |other| anew[other] |= other < b);
+        }
+        let (limit, disks) = (PairLimit::new(scene), &disks[..]);
         threads.each(self.blocks.iter_mut().enumerate(), |(k, block)| {
             let bodies = (k * BLOCK..((k + 1) * BLOCK).min(circles.len())).filter(|&b| listed(b));
-            list(scene, disks, grid, circles, bodies, &mut block.candidates, &limit);
+            let bodies = bodies.map(|b| (b, if anew[b] { Listing::Anew } else { Listing::Kept }));
+            list(scene, disks, &grid, &circles, bodies, &mut block.candidates, &limit);
         });
-        limit.check(scene, grid, circles)
+        for b in (0..circles.len()).filter(|&b| !listed(b)) {
+            self.listed_at[b] = UNLISTED;
+        }
+        limit.check(scene, &grid, &circles).inspect_err(|_| self.forget_candidates())?;
+        Ok(moved.len() as u64)
     }
 
     /// Makes the lists of near pairs from the candidates.
-    pub fn renew(&mut self, scene: &Scene, threads: &Threads, near: NearMargin) {
-        let (kinematics, evaluation) = (&self.kinematics[..], self.evaluation);
+    pub fn renew(&mut self, scene: &Scene, threads: &Threads) {
+        let (kinematics, margins, evaluation) = (&self.kinematics[..], &self.margins[..], self.evaluation);
         threads.each(self.blocks.iter_mut(), |block| {
             let Block { candidates, pairs, work, .. } = block;
             work.candidates += (candidates.disks.len() + candidates.faces.len()) as u64;
-            pairs.renew(scene, kinematics, candidates, near.0, evaluation);
+            pairs.renew(scene, kinematics, candidates, margins, evaluation);
         });
     }
 

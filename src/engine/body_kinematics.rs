@@ -14,7 +14,7 @@ pub(super) struct BodyKinematics {
     /// Rotation by the orientation.
     turn: Rotation,
     /// Twist at the same instant.
-    twist: Twist,
+    pub twist: Twist,
 }
 
 impl Default for BodyKinematics {

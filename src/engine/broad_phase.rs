@@ -2,52 +2,46 @@
 
 use super::circle::Circle;
 use super::near_pairs::Candidates;
-use super::{BodyId, DiskId, FaceId, Scene, Vec2};
+use super::{BodyId, DiskId, FaceId, Pose, Scene, Vec2};
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
-/// \[m\] Pairs nearer than this are candidates. The list is valid while no disk has moved by more than half of the
-/// difference to [`NearMargin`]. A larger skin means longer lists that are made less often. The motion does not depend on it.
-pub(super) const SKIN: f64 = 0.03;
+/// \[m\] Pairs that were nearer than this when their bodies were listed are candidates. A body is listed anew when it has
+/// moved by half of this less its [`near_margin`]. A larger skin means longer lists that hold longer. The motion does not
+/// depend on it.
+pub(super) const SKIN: f64 = 0.06;
 
-/// \[m\] Active bodies nearer than this to one that is free make it active. This is looked at again as soon as a disk
-/// may have moved by half of the difference to [`NearMargin`]. The choice of free bodies, and the time when one becomes
-/// active, depend on it; so do the last digits of results.
+/// \[m\] Active bodies nearer than this to one that is free make it active. For an active body this is looked at again when it
+/// has moved by this less its [`near_margin`]. The choice of free bodies, and the time when one becomes active, depend on
+/// it; so do the last digits of results.
 pub(super) const AWAKE: f64 = 0.02;
 
-/// \[m\] Candidates nearer than this are checked in every mechanical step. The list is valid while no disk has moved by
-/// more than half of this.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct NearMargin(pub f64);
-
-impl Default for NearMargin {
-    fn default() -> NearMargin {
-        NearMargin(0.002)
-    }
+/// Returns the margin \[m\] of a body that moves by some distance \[m\] in a step, to last for some steps: candidates nearer
+/// than the sum of their margins are checked in every mechanical step. So those who run do not lengthen the list of
+/// all others.
+pub(super) fn near_margin(movement: f64, mean_movement: f64, steps: f64) -> f64 {
+    /// \[m\] For who begins to move.
+    const LEAST: f64 = 0.00025;
+    let margin = LEAST + steps * (1.1 * movement + 0.4 * mean_movement);
+    // Not larger, so that nobody who is free is missed; also if a step fails.
+    if margin < AWAKE { margin } else { AWAKE }
 }
 
-impl NearMargin {
-    /// \[m\] Largest value, so that a mechanical step has fewer pairs to check than all candidates.
-    const LARGEST: f64 = 0.5 * AWAKE;
-    /// \[m\] Smallest value.
-    const SMALLEST: f64 = 0.0005;
-    /// \[m^½\] For a movement m per step, a list lasts near/2m steps and its length is proportional to near. Making it
-    /// takes about 80 ns per agent; checking the pairs of one more millimetre takes about 0.9 ns per agent in each
-    /// step. The sum is smallest for near² = 0.18 m · movement.
-    const PER_ROOT_OF_MOVEMENT: f64 = 0.42;
+/// Returns for how many steps a list of near pairs should last, if bodies move by this distance \[m\] in a step. It takes about
+/// 80 ns per agent to make it; checking the pairs of one more millimetre takes about 0.9 ns per agent in each step. So it
+/// costs least if steps² · movement is 0.044 m.
+pub(super) fn steps_of_near_pairs(mean_movement: f64) -> f64 {
+    (0.21 / mean_movement.sqrt()).max(1.0)
+}
 
-    /// Returns the best value if disks move by this distance \[m\] in a step.
-    pub fn for_movement(movement: f64) -> NearMargin {
-        if movement.is_nan() {
-            // A step that fails must not change later ones.
-            return NearMargin::default();
-        }
-        NearMargin(
-            (NearMargin::PER_ROOT_OF_MOVEMENT * movement.sqrt())
-                .clamp(NearMargin::SMALLEST, NearMargin::LARGEST),
-        )
-    }
+/// Whether a disk may have moved further than a distance \[m\]; `reach` \[m\] is the distance of the furthest disk from
+/// the centre of mass.
+#[inline]
+pub(super) fn moved_further(leeway: f64, reach: f64, then: &Pose, now: &Pose) -> bool {
+    let left = leeway - reach * (now.orientation - then.orientation).abs();
+    // Negated, so that a pose that is not a number counts as moved.
+    !(left > 0.0 && (now.position - then.position).norm_squared() < left * left)
 }
 
 /// Circles, sorted by the cells of their centres.
@@ -220,15 +214,24 @@ pub(super) fn nears_a_face(scene: &Scene, circle: &Circle, margin: f64, found: &
     candidates.iter().any(|face| circle.nears_face(&scene.faces, *face, margin))
 }
 
+/// What is done with the pairs of a body with later bodies and faces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Listing {
+    /// They are looked for.
+    Anew,
+    /// They hold.
+    Kept,
+}
+
 /// Lists every pair of a disk of some bodies, ascending, with a disk of a later body or a face nearer than the skin, as
 /// long as there is space. The circles of all bodies are in the grid; `disks` are those of all listed bodies, each at
-/// its place.
+/// its place. Bodies that need not be listed anew keep the pairs of `old`.
 pub(super) fn list(
     scene: &Scene,
     disks: &[Circle],
     grid: &CellGrid,
     circles: &[Circle],
-    bodies: impl Iterator<Item = usize>,
+    bodies: impl Iterator<Item = (usize, Listing)>,
     candidates: &mut Candidates,
     limit: &PairLimit,
 ) {
@@ -255,15 +258,26 @@ fn list_those<I: Iterator<Item = Range<usize>>>(
     disks: &[Circle],
     grid: &CellGrid,
     circles: &[Circle],
-    bodies: impl Iterator<Item = usize>,
+    bodies: impl Iterator<Item = (usize, Listing)>,
     (beside, meets): (impl Fn(usize, usize) -> I, impl Fn(usize, FaceId) -> bool),
     candidates: &mut Candidates,
     limit: &PairLimit,
 ) {
-    candidates.disks.clear();
-    candidates.faces.clear();
+    let old = std::mem::take(candidates);
+    let (mut old_disks, mut old_faces) = (&old.disks[..], &old.faces[..]);
     let (mut later, mut found, mut faces) = (Vec::new(), Vec::new(), Vec::new());
-    for a in bodies {
+    for (a, listing) in bodies {
+        let own = &scene.bodies[a].disks;
+        let of_disks = of_body(&mut old_disks, own);
+        let of_faces = of_body(&mut old_faces, own);
+        if listing == Listing::Kept {
+            if !limit.take(of_disks.len() + of_faces.len()) {
+                return;
+            }
+            candidates.disks.extend_from_slice(of_disks);
+            candidates.faces.extend_from_slice(of_faces);
+            continue;
+        }
         later.clear();
         grid.for_each_near(&circles[a], SKIN, |b| {
             if b > a {
@@ -302,6 +316,18 @@ fn list_those<I: Iterator<Item = Range<usize>>>(
             }
         }
     }
+    candidates.disks.shrink_to_fit();
+    candidates.faces.shrink_to_fit();
+}
+
+/// Takes off the pairs of some disks, and those before them, from a list that is ascending.
+fn of_body<'a, Other>(pairs: &mut &'a [(DiskId, Other)], disks: &Range<usize>) -> &'a [(DiskId, Other)] {
+    let count =
+        |end: usize, from: &[(DiskId, Other)]| from.iter().take_while(|pair| pair.0.index() < end).count();
+    let (_, rest) = pairs.split_at(count(disks.start, pairs));
+    let (own, rest) = rest.split_at(count(disks.end, rest));
+    *pairs = rest;
+    own
 }
 
 #[cfg(test)]

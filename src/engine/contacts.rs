@@ -50,8 +50,8 @@ pub struct Work {
     pub sliding: u64,
     /// Pairs whose centres coincided: they have no normal, so no force acts.
     pub coincident: u64,
-    /// How many times the list of candidates was made.
-    pub rebuilds: u64,
+    /// Bodies whose candidates were listed anew.
+    pub listed: u64,
     /// How many times the list of near pairs was made from the candidates.
     pub refreshes: u64,
     /// Candidates that were checked for this.
@@ -68,7 +68,7 @@ impl std::iter::Sum for Work {
             contacts: sum.contacts + work.contacts,
             sliding: sum.sliding + work.sliding,
             coincident: sum.coincident + work.coincident,
-            rebuilds: sum.rebuilds + work.rebuilds,
+            listed: sum.listed + work.listed,
             refreshes: sum.refreshes + work.refreshes,
             candidates: sum.candidates + work.candidates,
             shortlisted: sum.shortlisted + work.shortlisted,

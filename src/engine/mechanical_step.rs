@@ -7,29 +7,12 @@
 //! 310 (2025) 109524). This keeps second order for forces that depend on velocity.
 
 use super::blocks::{BLOCK, Blocks, Bodies};
-use super::body_kinematics::BodyKinematics;
-use super::broad_phase::{AWAKE, CellGrid, Crowded, NearMargin, SKIN};
+use super::broad_phase::{AWAKE, CellGrid, Crowded, moved_further, near_margin, steps_of_near_pairs};
 use super::circle::Circle;
 use super::contacts::{SpringUpdate, Step, greater};
 use super::free_flight::{AcrossFlight, Course, Ramp};
 use super::shortlist::{Activity, Shortlist, disks_of};
 use super::{Body, BodyId, Pose, Scene, State, Threads, Twist, Work, Wrench};
-
-/// Work arrays of a communication step. Their content between two steps is never used.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Scratch {
-    pub blocks: Blocks,
-    /// The poses when the candidates were listed.
-    listed_at: Vec<Pose>,
-    near: NearMargin,
-}
-
-impl Scratch {
-    pub fn new(scene: &Scene) -> Scratch {
-        let listed_at = vec![Pose::default(); scene.bodies.len()];
-        Scratch { blocks: Blocks::new(scene), listed_at, near: NearMargin::default() }
-    }
-}
 
 /// Accelerations of each body by a drive that is constant during the communication step.
 pub(super) fn held_drives(scene: &Scene, drive: &[Wrench]) -> Vec<Wrench> {
@@ -85,6 +68,8 @@ struct Mover<D: Course> {
     flyer: u32,
     /// \[m\] [`Body::reach`]
     reach: f64,
+    /// \[1/m\] One over its margin of near pairs.
+    per_margin: f64,
     /// \[1/kg\]
     inverse_mass: f64,
     /// \[1/(kg.m2)\]
@@ -100,6 +85,7 @@ impl<D: Course> Mover<D> {
             body: BodyId::from(b),
             flyer: body.flyer,
             reach: body.reach,
+            per_margin: 0.0,
             inverse_mass: body.inverse_mass,
             inverse_inertia: body.inverse_inertia,
             drive: drives[b],
@@ -121,7 +107,7 @@ pub(super) struct CommunicationStep<'a, D: Course> {
     /// For each body the drive at its start.
     pub drives: &'a [D],
     pub shortlist: Shortlist,
-    pub scratch: &'a mut Scratch,
+    pub blocks: &'a mut Blocks,
     pub work: &'a mut Work,
     pub mechanical: Step,
     /// The bodies that move by mechanical steps, in each block.
@@ -130,11 +116,9 @@ pub(super) struct CommunicationStep<'a, D: Course> {
     pub flights: Vec<D::Flight>,
     /// For each of them what wheels add.
     pub across: Vec<Option<AcrossFlight>>,
-    /// \[m\] Distance that a disk may move before the list of near pairs is made again.
+    /// \[1\] Part of the margins by which bodies may move before the list of near pairs is made again.
     pub leeway: f64,
-    /// Number of steps before that list was made.
-    pub listed: u64,
-    /// The poses when it was last looked for free bodies near active ones; empty if nobody is free.
+    /// The poses of active bodies when it was last looked for free ones near them; empty if nobody is free.
     pub awoken_at: Vec<Pose>,
 }
 
@@ -144,13 +128,13 @@ impl<D: Course> CommunicationStep<'_, D> {
     /// # Errors
     /// More pairs are near each other than the limit of memory allows.
     pub fn run(mut self, steps: u64) -> Result<State, Crowded> {
-        self.begin()?;
+        self.begin(steps)?;
         if all(&self.movers).next().is_some() {
             for step in 1..=steps {
                 self.step(step);
                 // A pose that is not a number is ignored here: the communication step then ends with an error.
                 if self.leeway <= 0.0 {
-                    self.renew_lists(step)?;
+                    self.renew_lists(step, steps)?;
                 }
             }
             self.correct();
@@ -159,8 +143,8 @@ impl<D: Course> CommunicationStep<'_, D> {
     }
 
     /// Lists the active bodies and their pairs at the first instant.
-    fn begin(&mut self) -> Result<(), Crowded> {
-        let blocks = &mut self.scratch.blocks;
+    fn begin(&mut self, steps: u64) -> Result<(), Crowded> {
+        let blocks = &mut *self.blocks;
         blocks.load(self.scene, self.start);
         self.movers.resize_with(blocks.blocks.len(), || Movers::NONE);
         for (b, activity) in self.shortlist.activity.iter().enumerate() {
@@ -173,13 +157,7 @@ impl<D: Course> CommunicationStep<'_, D> {
             self.flights = D::flights(self.scene, self.mechanical.dt);
             self.across = AcrossFlight::all_over(self.scene, self.mechanical.dt);
         }
-        // What was learnt in the step before is not part of the state, and free bodies are woken when lists are made.
-        self.scratch.near = NearMargin::default();
-        let mut circles = self.circles();
-        self.awake(0, &mut circles);
-        self.list_candidates(&circles)?;
-        self.take_near();
-        Ok(())
+        self.renew_lists(0, steps)
     }
 
     /// Evaluates the contacts, kicks, and flies to the next instant.
@@ -217,7 +195,7 @@ impl<D: Course> CommunicationStep<'_, D> {
             };
             moved.max(predict(with_wheels, &mut bodies, kick, half_kick, roll))
         };
-        self.leeway -= self.scratch.blocks.evaluate(self.scene, self.threads, update, kick, predict);
+        self.leeway -= self.blocks.evaluate(self.scene, self.threads, update, kick, predict);
         self.work.steps += 1;
     }
 
@@ -235,113 +213,91 @@ impl<D: Course> CommunicationStep<'_, D> {
             0.0
         };
         let update = SpringUpdate::Over(&self.mechanical);
-        self.scratch.blocks.evaluate(self.scene, self.threads, update, half_kick, correct);
+        self.blocks.evaluate(self.scene, self.threads, update, half_kick, correct);
     }
 
-    /// Makes the lists valid again: the near pairs and, if necessary, the candidates.
-    fn renew_lists(&mut self, step: u64) -> Result<(), Crowded> {
-        let moved = 0.5 * self.scratch.near.0 - self.leeway;
-        self.scratch.near = NearMargin::for_movement(moved / (step - self.listed) as f64);
-        self.listed = step;
-        let stale = !self.within(SKIN, &self.scratch.listed_at);
-        let asleep = !self.awoken_at.is_empty() && !self.within(AWAKE, &self.awoken_at);
-        if stale || asleep {
-            let mut circles = self.circles();
-            if asleep && self.awake(step, &mut circles) || stale {
-                self.list_candidates(&circles)?;
-            }
+    /// Makes the lists valid again after a step: the near pairs and, if necessary, the candidates.
+    fn renew_lists(&mut self, step: u64, steps: u64) -> Result<(), Crowded> {
+        self.choose_margins((steps - step) as f64);
+        if (step == 0 || !self.awoken_at.is_empty()) && self.awake(step) {
+            self.choose_margins((steps - step) as f64);
         }
-        self.take_near();
+        let activity = &self.shortlist.activity;
+        self.work.listed +=
+            self.blocks.list(self.scene, self.threads, |b| activity[b] == Activity::Active)?;
+        self.work.refreshes += 1;
+        self.blocks.renew(self.scene, self.threads);
+        self.leeway = 1.0;
         Ok(())
     }
 
-    /// Whether no disk has moved so far since some poses that a list up to a margin \[m\] misses a near pair.
-    fn within(&self, margin: f64, poses: &[Pose]) -> bool {
-        let Scratch { blocks, near, .. } = &*self.scratch;
-        let leeway = 0.5 * (margin - near.0);
-        let holds = |mover: &Mover<D>| {
-            let b = mover.body.index();
-            !moved_further(leeway, mover.reach, &poses[b], &blocks.kinematics[b].pose())
+    /// Chooses how near to each body near pairs are, if at most some steps are left.
+    fn choose_margins(&mut self, left: f64) {
+        let Blocks { kinematics, margins, .. } = &mut *self.blocks;
+        let dt = self.mechanical.dt;
+        let movement = |mover: &Mover<D>| {
+            let twist = kinematics[mover.body.index()].twist;
+            dt * (twist.velocity.norm() + mover.reach * twist.angular_velocity.abs())
         };
-        all(&self.movers).all(holds)
+        let count = all(&self.movers).count().max(1) as f64;
+        let mean = all(&self.movers).map(movement).sum::<f64>() / count;
+        let steps = steps_of_near_pairs(mean).min(left.max(1.0));
+        margins.fill(0.0);
+        for mover in self.movers.iter_mut().flat_map(|of_block| &mut of_block.list) {
+            let margin = near_margin(movement(mover), mean, steps);
+            (margins[mover.body.index()], mover.per_margin) = (margin, 1.0 / margin);
+        }
     }
 
-    /// Lists the candidates of the active bodies, which are in these circles.
-    fn list_candidates(&mut self, circles: &[Circle]) -> Result<(), Crowded> {
-        self.work.rebuilds += 1;
-        let activity = &self.shortlist.activity;
-        let active = (0..circles.len()).filter(|&b| activity[b] == Activity::Active);
-        let grid = CellGrid::new(circles, active, SKIN);
-        let Scratch { blocks, listed_at, .. } = &mut *self.scratch;
-        for mover in all(&self.movers) {
-            let b = mover.body.index();
-            listed_at[b] = blocks.kinematics[b].pose();
+    /// Makes free bodies near active ones active, then those near these, and so on. After the first step, it is looked
+    /// for near those that have moved. Returns whether there were some.
+    fn awake(&mut self, step: u64) -> bool {
+        let is_free = |b: &usize| self.shortlist.activity[*b] == Activity::Free;
+        let free: Vec<usize> = (0..self.scene.bodies.len()).filter(is_free).collect();
+        let moved = |b: &usize| {
+            let now = self.blocks.kinematics[*b].pose();
+            let then = self.awoken_at.get(*b);
+            then.is_none_or(|then| {
+                moved_further(AWAKE - self.blocks.margins[*b], self.scene.bodies[*b].reach, then, &now)
+            })
+        };
+        let mut waiting: Vec<usize> =
+            all(&self.movers).map(|mover| mover.body.index()).filter(moved).collect();
+        if free.is_empty() {
+            // Many bytes per agent.
+            self.shortlist.forget_circles();
         }
-        blocks.list(self.scene, self.threads, &grid, circles, |b| activity[b] == Activity::Active)
-    }
-
-    /// Makes free bodies near active ones active; returns whether there were some.
-    fn awake(&mut self, step: u64, circles: &mut [Circle]) -> bool {
-        let count = |activity: &[Activity]| activity.iter().filter(|each| **each == Activity::Free).count();
-        let before = count(&self.shortlist.activity);
-        if before > 0 {
-            self.activate_near(circles, step);
+        if free.is_empty() || waiting.is_empty() {
+            return false;
         }
-        let free = count(&self.shortlist.activity);
-        self.awoken_at.clear();
-        if free > 0 {
-            self.awoken_at.extend(self.scratch.blocks.kinematics.iter().map(BodyKinematics::pose));
-        }
-        free < before
-    }
-
-    /// Returns the circles of active bodies now, and of free ones during the communication step.
-    fn circles(&self) -> Vec<Circle> {
-        let mut circles = self.shortlist.swept.clone();
-        for mover in all(&self.movers) {
-            let b = mover.body.index();
-            circles[b] = self.circle_now(b);
-        }
-        circles
-    }
-
-    /// Makes free bodies near active ones active, then those near these, and so on.
-    fn activate_near(&mut self, circles: &mut [Circle], step: u64) {
-        let activity = &self.shortlist.activity;
-        let who = |wanted: fn(Activity) -> bool| (0..circles.len()).filter(move |&b| wanted(activity[b]));
-        let there = who(|activity| activity != Activity::Absent);
-        let largest = there.map(|b| circles[b].radius).fold(0.0, f64::max);
-        let grid = CellGrid::near(largest, circles, who(|activity| activity == Activity::Free), AWAKE);
-        let mut waiting: Vec<usize> = all(&self.movers).map(|mover| mover.body.index()).collect();
-        let (mut disks, mut near) = (Vec::new(), Vec::new());
+        let mut found = false;
+        self.awoken_at.resize(self.scene.bodies.len(), Pose::default());
+        let largest = self.scene.bodies.iter().map(|body| body.bounding_radius);
+        let largest = free.iter().map(|&b| self.shortlist.swept[b].radius).chain(largest).fold(0.0, f64::max);
+        let grid = CellGrid::near(largest, &self.shortlist.swept, free.iter().copied(), AWAKE);
+        let mut near = Vec::new();
         while let Some(active) = waiting.pop() {
-            disks.clear();
-            disks.extend(disks_of(self.scene, active, &self.scratch.blocks.kinematics[active]));
+            self.awoken_at[active] = self.blocks.kinematics[active].pose();
             near.clear();
-            grid.for_each_near(&circles[active], AWAKE, |b| {
+            grid.for_each_near(&self.circle_now(active), AWAKE, |b| {
                 if self.shortlist.activity[b] == Activity::Free {
                     near.push(b);
                 }
             });
-            near.retain(|&b| self.shortlist.nears(self.scene, &disks, b, AWAKE));
-            for &b in &near {
-                self.take_in(b, step);
-                circles[b] = self.circle_now(b);
+            if near.is_empty() {
+                continue;
             }
+            let disks: Vec<Circle> = disks_of(self.scene, active, &self.blocks.kinematics[active]).collect();
+            near.retain(|&b| self.shortlist.nears(self.scene, &disks, b, AWAKE));
+            near.iter().for_each(|&b| self.take_in(b, step));
+            found |= !near.is_empty();
             waiting.append(&mut near);
         }
-    }
-
-    /// Makes the list of near pairs from the candidates.
-    fn take_near(&mut self) {
-        self.work.refreshes += 1;
-        let near = self.scratch.near;
-        self.scratch.blocks.renew(self.scene, self.threads, near);
-        self.leeway = 0.5 * near.0;
+        found
     }
 
     fn circle_now(&self, b: usize) -> Circle {
-        let centre = self.scratch.blocks.kinematics[b].pose().position;
+        let centre = self.blocks.kinematics[b].pose().position;
         Circle { centre, radius: self.scene.bodies[b].bounding_radius }
     }
 
@@ -354,14 +310,14 @@ impl<D: Course> CommunicationStep<'_, D> {
         }
         self.shortlist.activity[b] = Activity::Active;
         self.movers[b / BLOCK].insert(self.scene, Mover::new(self.scene, self.drives, b));
-        self.scratch.blocks.put(b, pose, twist);
+        self.blocks.put(b, pose, twist);
     }
 
     /// Free bodies fly the whole step at once; the springs of touching pairs are written into the state.
     fn end(self, steps: u64) -> State {
         let mut state = State { steps: self.start.steps + steps, ..State::default() };
         let flights = D::flights(self.scene, steps as f64 * self.mechanical.dt);
-        let blocks = &mut self.scratch.blocks;
+        let blocks = &mut *self.blocks;
         for (b, body) in self.scene.bodies.iter().enumerate() {
             let (pose, twist) = match self.shortlist.activity[b] {
                 Activity::Active => (blocks.kinematics[b].pose(), blocks.flown[b].twist),
@@ -381,22 +337,13 @@ impl<D: Course> CommunicationStep<'_, D> {
     }
 }
 
-/// Whether a disk may have moved further than a distance \[m\]; `reach` \[m\] is the distance of the furthest disk from
-/// the centre of mass.
-#[inline]
-fn moved_further(leeway: f64, reach: f64, then: &Pose, now: &Pose) -> bool {
-    let left = leeway - reach * (now.orientation - then.orientation).abs();
-    // Negated, so that a pose that is not a number counts as moved.
-    !(left > 0.0 && (now.position - then.position).norm_squared() < left * left)
-}
-
 /// All movers of some blocks.
 fn all<D: Course>(movers: &[Movers<D>]) -> impl Iterator<Item = &Mover<D>> {
     movers.iter().flat_map(|of_block| &of_block.list)
 }
 
 /// Kicks bodies of a block over a duration \[s\] and lets them fly to the next instant; their velocity there is predicted
-/// with a half kick \[s\]. Returns how far \[m\] a disk of them may have moved.
+/// with a half kick \[s\]. Returns the largest part of its margin by which a disk of them may have moved.
 #[inline(always)]
 fn predict<D: Course>(
     movers: &[Mover<D>],
@@ -419,8 +366,8 @@ fn predict<D: Course>(
         let turn = pose.orientation - before.orientation;
         // The predicted velocity is the one after another half kick.
         kinematics.follow(pose, turn, kicked(twist, acceleration, half_kick));
-        moved = greater(moved, (pose.position - before.position).norm_squared());
-        turned = greater(turned, mover.reach * turn.abs());
+        moved = greater(moved, ((pose.position - before.position) * mover.per_margin).norm_squared());
+        turned = greater(turned, mover.reach * turn.abs() * mover.per_margin);
     }
     moved.sqrt() + turned
 }

@@ -137,21 +137,21 @@ struct OldPairs {
 }
 
 impl NearPairs {
-    /// Replaces the near pairs by the candidates nearer than a margin \[m\], after an evaluation. Pairs that remain keep
+    /// Replaces the near pairs by the candidates nearer than the margins \[m\] of their bodies, after an evaluation. Pairs that remain keep
     /// their springs; those that touched in this evaluation remain.
     pub fn renew(
         &mut self,
         scene: &Scene,
         kinematics: &[BodyKinematics],
         candidates: &Candidates,
-        margin: f64,
+        margins: &[f64],
         evaluation: u32,
     ) {
         self.put_aside(evaluation);
         let mut old = self.old.disks.iter().peekable();
         for &(first, second) in &candidates.disks {
             let (a, b) = (&scene.disks[first.index()], &scene.disks[second.index()]);
-            let reach = a.radius + b.radius + margin;
+            let reach = a.radius + b.radius + (margins[a.body.index()] + margins[b.body.index()]);
             let between =
                 kinematics[a.body.index()].centre(a.offset) - kinematics[b.body.index()].centre(b.offset);
             let spring = kept(&mut old, (first, second));
@@ -166,7 +166,7 @@ impl NearPairs {
             let ContactDisk { body, offset, radius, .. } = scene.disks[disk.index()];
             let circle = Circle { centre: kinematics[body.index()].centre(offset), radius };
             let spring = kept(&mut old, (disk, face));
-            if circle.nears_face(&scene.faces, face, margin) || spring.is_some() {
+            if circle.nears_face(&scene.faces, face, margins[body.index()]) || spring.is_some() {
                 self.face_springs.push(spring.unwrap_or(Spring::RELAXED));
                 self.faces.push(FacePair { disk, face });
             }

@@ -96,6 +96,11 @@ impl Shortlist {
         shortlist
     }
 
+    /// Forgets the circles: nobody is free any more.
+    pub fn forget_circles(&mut self) {
+        (self.swept, self.swept_disks) = (Vec::new(), Vec::new());
+    }
+
     /// Computes the circles, without deciding. Those of bodies with wheels are not used.
     fn swept<D: Course>(scene: &Scene, state: &State, drives: &[D], duration: f64) -> Shortlist {
         let flights = D::flights(scene, duration);

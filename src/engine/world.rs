@@ -1,12 +1,12 @@
 //! The world owns scene, drive and state, and advances them in time.
 
-use super::broad_phase::{CellGrid, Crowded, NearMargin, SKIN};
-use super::circle::Circle;
+use super::blocks::Blocks;
+use super::broad_phase::Crowded;
 use super::compression::compressions;
 use super::contacts::{SpringUpdate, Step};
 use super::face::nearest_on_face;
 use super::free_flight::Course;
-use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
+use super::mechanical_step::{CommunicationStep, held_drives, ramps};
 use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
 use super::slope::OnSlopes;
@@ -112,7 +112,7 @@ pub struct World {
     compressions: OnceLock<Vec<Compression>>,
     exposures: Exposures,
     work: Work,
-    scratch: Scratch,
+    blocks: Blocks,
 }
 
 impl World {
@@ -143,7 +143,7 @@ impl World {
         let mut world = World {
             drive: vec![Wrench::default(); scene.bodies.len()],
             drive_rate: vec![Wrench::default(); scene.bodies.len()],
-            scratch: Scratch::new(&scene),
+            blocks: Blocks::new(&scene),
             mechanical_step,
             shortlisting: Shortlisting::On,
             share_from: SHARE_FROM,
@@ -188,7 +188,9 @@ impl World {
     /// The [`World::contacts`] are still those of the step before. Like the drive, this is not part of the [`State`]:
     /// it must be set before [`World::restore`].
     pub fn set_present(&mut self, body: BodyId, present: bool) {
-        self.present[body.index()] = present;
+        if std::mem::replace(&mut self.present[body.index()], present) != present {
+            self.blocks.forget_candidates();
+        }
     }
 
     /// A body that comes has this motion from the next step on. Contacts are those of the step before.
@@ -294,7 +296,7 @@ impl World {
     /// # Errors
     /// The system cannot start them. The world then works as before.
     pub fn set_threads(&mut self, count: usize) -> Result<(), ThreadsError> {
-        let count = count.min(self.scratch.blocks.blocks.len()).clamp(1, MOST_THREADS);
+        let count = count.min(self.blocks.blocks.len()).clamp(1, MOST_THREADS);
         if count != self.threads.count() {
             self.threads = Threads::new(count)?;
         }
@@ -396,17 +398,16 @@ impl World {
     /// # Errors
     /// More pairs are near each other than the limit of memory allows. The world is then unchanged.
     pub fn restore(&mut self, mut state: State) -> Result<(), Crowded> {
-        let (scene, present, blocks) = (&self.scene, &self.present, &mut self.scratch.blocks);
+        let (scene, present, blocks) = (&self.scene, &self.present, &mut self.blocks);
         blocks.load(scene, &state);
-        let mut circles = Vec::with_capacity(state.poses.len());
         for (b, (pose, twist)) in state.poses.iter().zip(&state.twists).enumerate() {
             blocks.put(b, *pose, *twist);
-            circles.push(Circle { centre: pose.position, radius: scene.bodies[b].bounding_radius });
         }
-        let there = (0..circles.len()).filter(|&b| present[b]);
-        let (grid, alone) = (CellGrid::new(&circles, there, SKIN), Threads::default());
-        blocks.list(scene, &alone, &grid, &circles, |b| present[b])?;
-        blocks.renew(scene, &alone, NearMargin::default());
+        let alone = Threads::default();
+        blocks.forget_candidates();
+        blocks.margins.fill(0.0);
+        blocks.list(scene, &alone, |b| present[b])?;
+        blocks.renew(scene, &alone);
         // Finds which pairs touch and how deeply; the forces are not used.
         blocks.evaluate(scene, &alone, SpringUpdate::Hold, 0.0, |_, bodies| {
             bodies
@@ -476,12 +477,12 @@ impl World {
         if let Some(b) = (0..state.poses.len()).find(|b| !finite(b)) {
             return Err(AdvanceError::NotFinite { body: BodyId::from(b) });
         }
-        let contacts = self.scratch.blocks.report(&self.scene);
+        let contacts = self.blocks.report(&self.scene);
         // Report forces that are not finite now, not in the next step.
         if let Some(body) = contacts.not_finite(&self.scene) {
             return Err(AdvanceError::NotFinite { body });
         }
-        let mut exposures = self.scratch.blocks.exposures(&self.scene, duration, &contacts);
+        let mut exposures = self.blocks.exposures(&self.scene, duration, &contacts);
         if so_far > 0.0 {
             exposures.come_after(so_far, &self.exposures, duration);
         }
@@ -511,18 +512,17 @@ impl World {
             start: &self.state,
             drives,
             shortlist,
-            scratch: &mut self.scratch,
+            blocks: &mut self.blocks,
             work: &mut self.work,
             mechanical: Step::new(&self.scene, duration / steps as f64),
             movers: Vec::new(),
             flights: Vec::new(),
             across: Vec::new(),
             leeway: 0.0,
-            listed: 0,
             awoken_at: Vec::new(),
         };
         let state = threads.enter(|| step.run(steps));
-        self.work = [self.work, self.scratch.blocks.take_work()].into_iter().sum();
+        self.work = [self.work, self.blocks.take_work()].into_iter().sum();
         state
     }
 }
