@@ -139,6 +139,11 @@ class Scene:
             mp.append(0.0 if d is None else number(d, "Mp"))
         return np.array(rows), np.array(fp), np.array(mp)
 
+    def force(self, body, fp, mp):
+        """The drive of a body [N], [N m] from now on."""
+        k = self.ids.index(body)
+        self.fp[k], self.mp[k] = complex(*fp), mp
+
     def geometry(self, y):
         """Of each pair the overlap h, the normal towards disk i, and the arm from i's centre of mass to the point of contact C."""
         arms = self.offset * np.exp(1j * y[:, 2])[self.owner]
@@ -332,10 +337,20 @@ def distance(case, one, other):
     return max((abs(one[name] - other[name]) / case["scale"][UNITS[name.rsplit(".", 1)[1]]] for name in one), default=math.nan)
 
 
+def driven(case, go, force):
+    """Goes to the end of a case, with the changes of its drive on the way: `go(t)`, `force(body, Fp, Mp)`."""
+    for change in case.get("drive", []):
+        go(change["from"])
+        force(change["id"], change["Fp"], change["Mp"])
+    go(case["end"])
+
+
 def solved(directory, names, longest=5e-4, tolerance=1e-11):
     """The quantities by the adaptive integrator."""
     scene = Scene(directory)
-    return named(scene, Adaptive(scene, tolerance, longest).advance(description(directory)["end"]), names)
+    march = Adaptive(scene, tolerance, longest)
+    driven(description(directory), march.advance, scene.force)
+    return named(scene, march, names)
 
 
 def certificate(directory, names, step):

@@ -37,7 +37,7 @@ def examined(directory, quick=False):
     """
     case, script = law.description(directory), module(directory)
     solution = script.solution()
-    if not case["check_step"]:  # a property that any law must have
+    if not case["check_step"]:  # a property that any law must have, or measured
         return solution, math.nan, 0.0, math.nan
     if quick and case["kind"] == "closed form":
         return solution, law.distance(case, solution, law.solved(directory, list(solution))), 0.0, math.nan
@@ -61,9 +61,11 @@ def main():
     print(f"{'case':24}{'stored':>10}{'closed':>10}{'two ways':>10}{'order':>7}")
     for directory in directories(arguments.case):
         solution, closed, bar, order = examined(directory)
-        if arguments.write:
-            write(directory, solution, max(bar if law.description(directory)["kind"] == "converged" else 0, 1e-12))
         case = law.description(directory)
+        if arguments.write:
+            bars = {"converged": bar, "measured": case["tolerance"]}
+            write(directory, solution, max(bars.get(case["kind"], 0), 1e-12))
+            case = law.description(directory)
         print(f"{directory.name:24}{law.distance(case, solution, case['solution']):10.1e}{closed:10.1e}{bar:10.1e}{order:7.2f}", flush=True)
 
 
