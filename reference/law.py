@@ -290,10 +290,10 @@ class Fixed(_March):
         self.rates(whole)
         return np.array([self.scene.overlap, self.scene.excess, self.scene.normal])
 
-    def _change(self, tau):
+    def _change(self, tau, after):
         """The first change of a sign within tau: when, of which function, of which pair."""
         found = []
-        for row, n in zip(*np.nonzero((self.functions(self._after(tau)) > 0) != self.signs)):
+        for row, n in zip(*np.nonzero((self.functions(after) > 0) != self.signs)):
             value = lambda t, row=row, n=n: self.functions(self._after(t))[row, n]  # noqa: E731
             left, right = value(0.0), value(tau)
             found.append((0.0 if left * right >= 0 else brentq(value, 0.0, tau, xtol=1e-15, rtol=1e-14), row, n))
@@ -304,11 +304,13 @@ class Fixed(_March):
         for k in range(1, steps + 1):
             here = start + (end - start) * k / steps
             while self.t < here:
-                change = self._change(here - self.t)
-                tau = change[0] if change else here - self.t
-                self.whole, self.t = self._after(tau), self.t + tau if change else here
-                if change:
-                    _, row, n = change
+                after = self._after(here - self.t)
+                change = self._change(here - self.t, after)
+                if not change:
+                    self.whole, self.t = after, here
+                else:
+                    tau, row, n = change
+                    self.whole, self.t = self._after(tau), self.t + tau
                     if row == 0:
                         self.flip(n)
                         self.signs[:, n] = self.functions(self.whole)[:, n] > 0
@@ -353,10 +355,10 @@ def solved(directory, names, longest=5e-4, tolerance=1e-11):
     return named(scene, march, names)
 
 
-def certificate(directory, names, step):
-    """Both integrators: the adaptive one's values, the order that three halved steps of the other show, the distance of both."""
+def certificate(directory, names, step, best=None):
+    """Both integrators: the adaptive one's values (`best`, if known), the order that three halved steps of the other show, the distance of both."""
     case, scene = description(directory), Scene(directory)
-    best = solved(directory, names)
+    best = best or solved(directory, names)
     halved = [named(scene, Fixed(scene, step / 2**k).advance(case["end"]), names) for k in range(3)]
     first, second = (distance(case, halved[k], halved[k + 1]) for k in range(2))
     order = math.log2(first / second) if first > 1e-9 else math.inf  # else only rounding is left
