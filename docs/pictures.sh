@@ -43,7 +43,7 @@ fi
 python=${PYTHON:-$PWD/.venv/bin/python}
 if wanted scenes; then
     # "$to/scene_concert.png" "$to/scene_platform.png" "$to/scene_stadium.png"
-    LEMONS=$lemons "$(command -v "$python" || echo python3)" examples/scenes/scenes.py all "$scratch/scenes" --pictures "$to" >/dev/null
+    LEMONS=$lemons "$(command -v "$python" || echo python3)" examples/scenes/scenes.py all "$scratch/scenes" --pictures "$to"
 fi
 
 if wanted trains; then

@@ -7,6 +7,7 @@ crowd.fmu` make such a crowd.fmu. Needs fmpy and wasmtime. FMI-LS-WASM, which sa
 """
 
 import argparse
+import functools
 import zipfile
 from math import pi, sin
 
@@ -18,6 +19,13 @@ PLATFORM = "binaries/wasm32-wasip2"
 INTERFACE = "fmi:fmi3/co-simulation@3.0.0"
 
 
+@functools.cache
+def compiled(code: bytes):
+    """An engine and its machine code of a component: seconds, which further instances need not take."""
+    engine = wasmtime.Engine()
+    return engine, wasmtime.component.Component(engine, code)
+
+
 class Component:
     """The component in an FMU: `crowd("do-step", t, dt, True)` calls a function of an instance.
 
@@ -27,8 +35,7 @@ class Component:
     def __init__(self, fmu: str, log=print, read_file=None):
         self.archive = zipfile.ZipFile(fmu)
         identifier = read_model_description(fmu).coSimulation.modelIdentifier
-        engine = wasmtime.Engine()
-        code = wasmtime.component.Component(engine, self.archive.read(f"{PLATFORM}/{identifier}.wasm"))
+        engine, code = compiled(self.archive.read(f"{PLATFORM}/{identifier}.wasm"))
         self.imports = list(code.type.imports(engine))
         self.store = wasmtime.Store(engine)
         linker = wasmtime.component.Linker(engine)

@@ -139,6 +139,11 @@ class Scene:
             mp.append(0.0 if d is None else number(d, "Mp"))
         return np.array(rows), np.array(fp), np.array(mp)
 
+    def force(self, body, fp, mp):
+        """The drive of a body [N], [N m] from now on."""
+        k = self.ids.index(body)
+        self.fp[k], self.mp[k] = complex(*fp), mp
+
     def geometry(self, y):
         """Of each pair the overlap h, the normal towards disk i, and the arm from i's centre of mass to the point of contact C."""
         arms = self.offset * np.exp(1j * y[:, 2])[self.owner]
@@ -285,10 +290,10 @@ class Fixed(_March):
         self.rates(whole)
         return np.array([self.scene.overlap, self.scene.excess, self.scene.normal])
 
-    def _change(self, tau):
+    def _change(self, tau, after):
         """The first change of a sign within tau: when, of which function, of which pair."""
         found = []
-        for row, n in zip(*np.nonzero((self.functions(self._after(tau)) > 0) != self.signs)):
+        for row, n in zip(*np.nonzero((self.functions(after) > 0) != self.signs)):
             value = lambda t, row=row, n=n: self.functions(self._after(t))[row, n]  # noqa: E731
             left, right = value(0.0), value(tau)
             found.append((0.0 if left * right >= 0 else brentq(value, 0.0, tau, xtol=1e-15, rtol=1e-14), row, n))
@@ -299,11 +304,13 @@ class Fixed(_March):
         for k in range(1, steps + 1):
             here = start + (end - start) * k / steps
             while self.t < here:
-                change = self._change(here - self.t)
-                tau = change[0] if change else here - self.t
-                self.whole, self.t = self._after(tau), self.t + tau if change else here
-                if change:
-                    _, row, n = change
+                after = self._after(here - self.t)
+                change = self._change(here - self.t, after)
+                if not change:
+                    self.whole, self.t = after, here
+                else:
+                    tau, row, n = change
+                    self.whole, self.t = self._after(tau), self.t + tau
                     if row == 0:
                         self.flip(n)
                         self.signs[:, n] = self.functions(self.whole)[:, n] > 0
@@ -332,16 +339,26 @@ def distance(case, one, other):
     return max((abs(one[name] - other[name]) / case["scale"][UNITS[name.rsplit(".", 1)[1]]] for name in one), default=math.nan)
 
 
+def driven(case, go, force):
+    """Goes to the end of a case, with the changes of its drive on the way: `go(t)`, `force(body, Fp, Mp)`."""
+    for change in case.get("drive", []):
+        go(change["from"])
+        force(change["id"], change["Fp"], change["Mp"])
+    go(case["end"])
+
+
 def solved(directory, names, longest=5e-4, tolerance=1e-11):
     """The quantities by the adaptive integrator."""
     scene = Scene(directory)
-    return named(scene, Adaptive(scene, tolerance, longest).advance(description(directory)["end"]), names)
+    march = Adaptive(scene, tolerance, longest)
+    driven(description(directory), march.advance, scene.force)
+    return named(scene, march, names)
 
 
-def certificate(directory, names, step):
-    """Both integrators: the adaptive one's values, the order that three halved steps of the other show, the distance of both."""
+def certificate(directory, names, step, best=None):
+    """Both integrators: the adaptive one's values (`best`, if known), the order that three halved steps of the other show, the distance of both."""
     case, scene = description(directory), Scene(directory)
-    best = solved(directory, names)
+    best = best or solved(directory, names)
     halved = [named(scene, Fixed(scene, step / 2**k).advance(case["end"]), names) for k in range(3)]
     first, second = (distance(case, halved[k], halved[k + 1]) for k in range(2))
     order = math.log2(first / second) if first > 1e-9 else math.inf  # else only rounding is left

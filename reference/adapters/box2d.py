@@ -46,6 +46,9 @@ class Engine:
         self.refine, self.now, self.cost = refine, 0.0, 0.0
         self.turned = np.zeros(len(s.ids))
 
+    def force(self, *drive):
+        self.scene.force(*drive)
+
     def step(self, t):
         s = self.scene
         steps = int(np.ceil((t - self.now) / STEP * self.refine - 1e-9))

@@ -128,17 +128,26 @@ thermo_style custom step""".splitlines():
     def _forces(self):
         s = self.scene
         for k, members in enumerate(self.members):
-            if s.mp[k]:
-                self.run(f"group body{k} id {' '.join(str(i + 1) for i in members)}")
-                self.run(f"fix twist{k} body{k} addtorque 0 0 {float(s.mp[k]):.17g}")
+            if s.mp[k] or s.fp[k]:
+                self._drive(k)
             for i, part in zip(members, self._weights(k)):
-                f = complex(part * s.fp[k])
-                if f:
-                    self.run(f"fix push{i} disk{i} addforce {f.real:.17g} {f.imag:.17g} 0")
                 if s.along[k]:
                     self.run(f"fix slow{i} disk{i} viscous {float(part * s.mass[k] * s.along[k]):.17g}")
                 if s.angular[k] and not self.rigid:
                     self.run(f"fix turn{i} disk{i} viscous/sphere {float(s.inertia[k] * s.angular[k]):.17g}")
+
+    def _drive(self, k):
+        s, members = self.scene, self.members[k]
+        if len(members) > 1:
+            self.run(f"group body{k} id {' '.join(str(i + 1) for i in members)}")
+            self.run(f"fix twist{k} body{k} addtorque 0 0 {float(s.mp[k]):.17g}")
+        for i, part in zip(members, self._weights(k)):
+            f = complex(part * s.fp[k])
+            self.run(f"fix push{i} disk{i} addforce {f.real:.17g} {f.imag:.17g} 0")
+
+    def force(self, name, fp, mp):
+        self.scene.force(name, fp, mp)
+        self._drive(self.scene.ids.index(name))
 
     def _motion(self):
         s = self.scene

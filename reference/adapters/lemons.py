@@ -39,14 +39,19 @@ class Engine:
         self.slave.setReal([self.references["TimeStepMechanical"]], [STEP / refine])
         self.slave.enterInitializationMode()
         self.slave.exitInitializationMode()
-        self.cost = 0.0
+        self.now = self.cost = 0.0
+
+    def force(self, name, fp, mp):
+        body = f"agent[{self.ids.index(name)}]"
+        self.slave.setReal([self.references[f"{body}.{what}"] for what in ("Fp.x", "Fp.y", "Mp")], [*fp, mp])
 
     def step(self, t):
-        steps = round(t / 0.01)
+        steps, rest = round((t - self.now) / 0.01), t - self.now
         before = time.process_time()
         for k in range(steps):
-            self.slave.doStep(currentCommunicationPoint=k * t / steps, communicationStepSize=t / steps)
+            self.slave.doStep(currentCommunicationPoint=self.now + k * rest / steps, communicationStepSize=rest / steps)
         self.cost += time.process_time() - before
+        self.now = t
 
     def state(self):
         names = [f"agent[{k}].{output}" for k in range(len(self.ids)) for output in OUTPUTS.values()]

@@ -10,7 +10,6 @@ if (!task.bodies) process.exit(0);
 
 function simulate() {
   const world = new R.World({ x: 0, y: 0 });
-  world.timestep = task.dt;
   const { Max, Multiply } = R.CoefficientCombineRule;
   // Friction of two: the product. Disks have the root of theirs, and walls what makes their own of it.
   const still = world.createRigidBody(R.RigidBodyDesc.fixed());
@@ -48,18 +47,26 @@ function simulate() {
         body,
       ),
     );
-    body.addForce({ x: b.fx, y: b.fy }, true);
-    body.addTorque(b.torque, true);
     return { body, disks, turned: 0 };
   });
   const before = process.cpuUsage();
-  for (let k = 0; k < task.steps; k++) {
-    const old = bodies.map((b) => b.body.rotation());
-    world.step();
-    bodies.forEach((b, i) => {
-      const turn = b.body.rotation() - old[i];
-      b.turned += Math.atan2(Math.sin(turn), Math.cos(turn));
+  for (const phase of task.phases) {
+    world.timestep = phase.dt;
+    bodies.forEach(({ body }, i) => {
+      const [x, y, torque] = phase.drives[i];
+      body.resetForces(true);
+      body.resetTorques(true);
+      body.addForce({ x, y }, true);
+      body.addTorque(torque, true);
     });
+    for (let k = 0; k < phase.steps; k++) {
+      const old = bodies.map((b) => b.body.rotation());
+      world.step();
+      bodies.forEach((b, i) => {
+        const turn = b.body.rotation() - old[i];
+        b.turned += Math.atan2(Math.sin(turn), Math.cos(turn));
+      });
+    }
   }
   const used = process.cpuUsage(before);
   const load = (disk) => {
@@ -68,7 +75,7 @@ function simulate() {
       world.contactPair(disk, wall, (manifold) => {
         for (let i = 0; i < manifold.numContacts(); i++) impulse += manifold.contactImpulse(i);
       });
-    return impulse / task.dt;
+    return impulse / world.timestep;
   };
   const states = bodies.map(({ body, disks, turned }, i) => ({
     x: body.translation().x,

@@ -35,15 +35,22 @@ class Engine:
                 for i in np.flatnonzero(s.owner == k)
                 for o in [complex(s.offset[i] * turn)]
             ]
-            rates = {"along": s.along[k], "angular": s.angular[k], "fx": s.fp[k].real, "fy": s.fp[k].imag, "torque": s.mp[k]}
+            rates = {"along": s.along[k], "angular": s.angular[k]}
             bodies.append({"start": s.start[k].tolist(), "mass": s.mass[k], "inertia": s.inertia[k], "disks": disks} | rates)
         walls = [[a.real, a.imag, b.real, b.imag] for a, b, *_ in s.pieces]
         self.task = {"bodies": bodies, "walls": walls, "wall_friction": hard.ratio * hard.disk_friction**0.5}
-        self.refine = refine
+        self.refine, self.now, self.phases = refine, 0.0, []
+
+    def force(self, *drive):
+        self.scene.force(*drive)
 
     def step(self, t):
-        steps = int(np.ceil(t / STEP * self.refine - 1e-9))
-        task = json.dumps(self.task | {"steps": steps, "dt": t / steps})
+        """All from the start again, with this phase of constant drives."""
+        s, steps = self.scene, int(np.ceil((t - self.now) / STEP * self.refine - 1e-9))
+        drives = [[f.real, f.imag, m] for f, m in zip(s.fp, s.mp)]
+        self.phases.append({"steps": steps, "dt": (t - self.now) / steps, "drives": drives})
+        self.now = t
+        task = json.dumps(self.task | {"phases": self.phases})
         done = subprocess.run(["node", SCRIPT, FOLDER], input=task, check=True, capture_output=True, text=True)
         self.found = json.loads(done.stdout)
         self.cost = self.found["cost"]

@@ -42,7 +42,7 @@ def test_a_packed_barrier_is_the_same_again(lemons, tmp_path):
 @pytest.mark.long
 def test_one_push_gives_both_columns_of_the_green_guide(lemons, tmp_path):
     """5.0 kN/m at 4.3 m on 10° and at 3.1 m on 25°, within 10 %; where feet hold all or nothing of the slope, one of them is wrong."""
-    said = barriers(lemons, tmp_path, "terrace", "--seeds", 3)
+    said = barriers(lemons, tmp_path, "terrace", "--seeds", 2)
     rows = re.findall(r"^push +(\d+) N, held ([\d.]+), +\d+ seeds: 10°: ([\d.]+) .*25°: ([\d.]+) ", said, re.MULTILINE)
     fits = {(int(push), float(held)): [abs(float(load) / 5.0 - 1) < 0.1 for load in loads] for push, held, *loads in rows}
     assert len(fits) == 7

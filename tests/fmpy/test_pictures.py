@@ -20,6 +20,7 @@ import pytest
 from conftest import SHARED
 from crowd import REPOSITORY, TRIAL_PUSH
 from drawn import differing, pixels
+from test_pages import shown_in
 
 DOCS = REPOSITORY / "docs"
 DIGESTS = DOCS / "pictures.digests"
@@ -71,6 +72,10 @@ def test_a_picture_is_what_pictures_sh_draws(lemons, tmp_path, name):
     command = ["bash", DOCS / "pictures.sh", tmp_path, name]
     done = limited.run(command, LIMIT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert done.returncode == 0, done.stderr
+    if name == "scenes":
+        (concert,) = (block for block in pages.blocks("docs/scenes.md") if "density before the stage" in block.first)
+        missing = shown_in(concert.text, done.stdout)
+        assert missing is None, f"{concert.place}: the page shows\n{missing}\nThe script prints\n{done.stdout}"
     # Matplotlib draws letters with what a machine has; our own pictures do not.
     most = 0.01 if name in ("flow", "turnstile") else 0.0005
     several = {"guide": [f"guide/{each}.png" for each in GUIDE], "scenes": [f"scene_{each}.png" for each in SCENES], "trains": ["scene_trains.png"]}

@@ -32,16 +32,16 @@ def ours(lemons, monkeypatch):
 
 
 def test_every_case_is_complete():
-    assert len(CASES) >= 25
+    assert len(CASES) >= 26
     names = [name[3:] for name in CASES]
     assert [name[:2] for name in CASES] == [f"{k + 1:02}" for k in range(len(CASES))]
     assert set(SCENARIOS) <= set(names)  # those of the paper
     for name, directory in CASES.items():
         case, page = law.description(directory), (directory / "README.md").read_text()
-        assert case["kind"] in ("closed form", "converged"), name
+        assert case["kind"] in ("closed form", "converged", "measured"), name
         assert case["solution"] and set(case["rigid"]) <= set(case["solution"]), name
         assert {law.UNITS[quantity.rsplit(".", 1)[1]] for quantity in case["solution"]} == set(case["scale"]), name
-        assert all(math.isfinite(value) for value in case["solution"].values()) and 0 < case["tolerance"] <= 0.01, name
+        assert all(math.isfinite(value) for value in case["solution"].values()) and 0 < case["tolerance"] <= (0.2 if case["kind"] == "measured" else 0.01), name
         for heading in ("## Scene", "## Solution", "## Compared", "## Source"):
             assert heading in page, (name, heading)
         assert page.startswith(f"# {name[:2]}. {case['title']}\n"), name
@@ -77,6 +77,28 @@ def test_solutions_of_free_pairs_keep_both_momenta(name):
     assert momenta(end) == pytest.approx(momenta(scene.start), rel=1e-8, abs=1e-7)
 
 
+def test_the_measured_push_is_derived_from_its_record(shared):
+    """To the last digit that is stored."""
+    directory = CASES["26_measured_push"]
+    script, case, scene = solve.module(directory), law.description(directory), law.Scene(directory)
+    force, lasts, ways, at_rest = script.derived(shared / "data/push_wed")
+    assert scene.fp[0] == pytest.approx(force, abs=5) and case["drive"][0]["from"] == pytest.approx(lasts, abs=5e-4)
+    assert scene.mass[0] == script.MASS and tuple(scene.start[:, 0]) == script.START
+    assert script.WAY == pytest.approx(ways, abs=5e-4) and max(at_rest) < 0.01
+    assert script.solution() == case["solution"]
+
+
+def test_a_drive_over_time_is_solved_as_our_fmu_does(ours):
+    """The measured push: the ways that its page says, by law.py; ours is as far from the measured ones."""
+    directory = CASES["26_measured_push"]
+    case, script = law.description(directory), solve.module(directory)
+    solved = law.solved(directory, list(case["solution"]), longest=5e-3, tolerance=1e-4)
+    ways = [solved[f"{k}.x"] - start for k, start in enumerate(script.START)]
+    said = re.search(r"law.py has the ways ([\d., and\n]+) m:", (directory / "README.md").read_text())[1]
+    assert ways == pytest.approx([float(way) for way in re.findall(r"\d+\.\d+", said)], abs=1e-3)
+    assert ours(directory)["error"] == pytest.approx(law.distance(case, solved, case["solution"]), abs=1e-3)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("name", CASES)
 def test_solutions_are_solved_twice(name):
@@ -89,7 +111,7 @@ def test_solutions_are_solved_twice(name):
     # Two ways agree far better than the tolerance: closed form and integrator, or two integrators (and a part's closed form with them).
     assert bar < 1e-4 * case["tolerance"]
     assert closed < 1e-4 * case["tolerance"] or (math.isnan(closed) and case["kind"] == "converged")
-    assert order > 2 or bar < 1e-9
+    assert order > 2 or bar < 1e-8
 
 
 @pytest.mark.long
@@ -140,17 +162,19 @@ MUTATIONS = {
     "23": "YoungModulus",
     "24": "FloorDampingAcross",
     "25": "LoadLength",
+    "26": "FloorDamping",
 }
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_another_law_is_caught(ours, tmp_path, name):
-    """By 10 % another coefficient; in the case of conservation a damper of 20 kg/s."""
+    """By 10 % another coefficient; in the case of conservation a damper of 20 kg/s; in the measured one twice the rate of the floor."""
     changed = tmp_path / name
     shutil.copytree(CASES[name], changed)
     attribute, count = MUTATIONS.get(name[:2], "GammaNormal"), 0
+    factor = 2 if law.description(changed)["kind"] == "measured" else 1.1
     for path in changed.rglob("*.xml"):
-        text, found = re.subn(rf'\b{attribute}="([^"]+)"', lambda m: f'{attribute}="{1.1 * float(m[1]) or 20}"', path.read_text())
+        text, found = re.subn(rf'\b{attribute}="([^"]+)"', lambda m: f'{attribute}="{factor * float(m[1]) or 20}"', path.read_text())
         path.write_text(text)
         count += found
     found = ours(changed)

@@ -96,7 +96,7 @@ class DecisionReader(Reader):
         assert self.call("crowd", *crowd)[0] == 0
 
     def read(self):
-        return self.call("decide", "Trial", "--decision", "given.toml", "-o", "plan.fmu", "--force")
+        return self.call("run", "Trial", "--decision", "given.toml", "--until", "0.01", "-o", "run.csv", "--force")
 
     def plan(self):
         """What it says of everybody."""

@@ -187,5 +187,9 @@ def test_a_report_that_is_stopped_is_not_there(lemons, tmp_path):
         assert begun.poll() is None
         time.sleep(0.05)
     begun.send_signal(signal.SIGINT)
-    assert "interrupted: nothing was written" in begun.communicate(timeout=60)[1] and begun.returncode == 130
+    try:
+        told = begun.communicate(timeout=60)[1]
+    finally:
+        begun.kill()
+    assert "interrupted: nothing was written" in told and begun.returncode == 130
     assert [path.name for path in tmp_path.iterdir()] == ["room.toml"]
