@@ -4,6 +4,7 @@ segments, restitution and friction instead of springs.
 The step: 1/60 s with its four solver iterations, its default. SIMD is always on. A floor is its linear and angular damping. It computes in single
 precision.
 """
+
 import json
 import subprocess
 from pathlib import Path
