@@ -13,6 +13,7 @@ from crowd import REPOSITORY
 REFERENCE = REPOSITORY / "reference"
 sys.path[:0] = [str(REFERENCE), str(REFERENCE / "adapters")]
 
+import choices  # noqa: E402
 import growth  # noqa: E402
 import law  # noqa: E402
 import run  # noqa: E402
@@ -119,6 +120,17 @@ def test_growth_repeats_a_crowd_without_overlaps(ours, tmp_path, monkeypatch):
     assert len(set(scene.fp)) == 10 and len({round(float(x), 9) for x in scene.start[:, 0]}) == 20  # two columns of three
     cost = growth.measure(tmp_path / "many", 60, 2, 1)
     assert all(number > 0 for number in cost), cost
+
+
+def test_other_arms_are_another_law(monkeypatch):
+    """The law of choices.py is that of the cases, and LAMMPS's arm at a wall is seen."""
+    monkeypatch.setattr(choices, "STEP", 2e-5)
+    directory = CASES["11_spinning_impact"]
+    case = law.description(directory)
+    for arms, least, most in ((False, 0, 6e-3), (True, 0.01, 0.02)):
+        state = choices.simulated(directory, case["end"], False, arms)
+        found = {name: state[name.rsplit(".", 1)[0]][name.rsplit(".", 1)[1]] for name in case["solution"]}
+        assert least < law.distance(case, found, case["solution"]) < most
 
 
 @pytest.mark.parametrize("name", CASES)
