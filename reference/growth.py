@@ -80,13 +80,13 @@ def draw(rows, path):
     import matplotlib
     import matplotlib.pyplot as plt
 
-    matplotlib.rcParams |= {"svg.hashsalt": "lemons", "font.size": 9}
+    matplotlib.rcParams |= {"svg.hashsalt": "lemons", "svg.fonttype": "none", "font.size": 9}
     figure, panels = plt.subplots(1, 2, figsize=(8, 3.4), layout="constrained")
     people, _, *columns = zip(*rows)
     for panel, values, words in zip(panels, columns, ("processor time per person and step [µs]", "peak of memory per person [byte]")):
         panel.loglog(people, values, "-o", color="#4477aa")
         panel.set(xlabel="people", ylabel=words, ylim=(10 ** math.floor(math.log10(min(values))), 10 ** math.ceil(math.log10(max(values)))))
-        panel.grid(alpha=0.3, which="both")
+        panel.grid(alpha=0.3)
     # The picture says what it was drawn from.
     table = "people,reading,step,memory\n" + "".join(",".join(f"{number:.4g}" for number in row) + "\n" for row in rows)
     figure.savefig(path, metadata={"Date": None, "Description": table})
