@@ -1,11 +1,11 @@
-"""Rapier 2D (`npm install @dimforge/rapier2d-compat`, found by node from the directory in the variable RAPIER, else from here): rapier.mjs beside
-this file runs it. Bodies of balls, walls of segments, restitution and friction instead of springs.
+"""Rapier 2D, as ../rapier runs it (built by `cargo build --release --manifest-path reference/rapier/Cargo.toml`). Bodies of balls, walls of
+segments, restitution and friction instead of springs.
 
-The step: 1/60 s with its four solver iterations, its default. A floor is its linear and angular damping. It computes in single precision.
+The step: 1/60 s with its four solver iterations, its default. SIMD is always on. A floor is its linear and angular damping. It computes in single
+precision.
 """
 
 import json
-import os
 import subprocess
 from pathlib import Path
 
@@ -14,13 +14,10 @@ from rigid import Hard
 
 LABEL, RIGID = "Rapier", True
 STEP = 1 / 60
-SCRIPT = Path(__file__).with_suffix(".mjs")
-FOLDER = os.environ.get("RAPIER", ".")
+PROGRAM = Path(__file__).parents[1] / "rapier/target/release/rapier-cases"
 
-try:
-    subprocess.run(["node", SCRIPT, FOLDER], input="{}", check=True, capture_output=True, text=True)
-except (OSError, subprocess.CalledProcessError) as why:
-    raise ImportError(f"node or @dimforge/rapier2d-compat is missing ({type(why).__name__})") from why
+if not PROGRAM.exists():
+    raise ImportError(f"{PROGRAM} is not built")
 
 
 class Engine:
@@ -51,7 +48,7 @@ class Engine:
         self.phases.append({"steps": steps, "dt": (t - self.now) / steps, "drives": drives})
         self.now = t
         task = json.dumps(self.task | {"phases": self.phases})
-        done = subprocess.run(["node", SCRIPT, FOLDER], input=task, check=True, capture_output=True, text=True)
+        done = subprocess.run([PROGRAM], input=task, check=True, capture_output=True, text=True)
         self.found = json.loads(done.stdout)
         self.cost = self.found["cost"]
 

@@ -45,6 +45,7 @@ MADE_BY = {
     **{f"docs/lab_{name}.png": ("docs/lab_pictures.py", f'"{name}": ') for name in ("run", "3d", "kinds", "room", "person", "exits", "compare", "sweep")},
     **{f"docs/validation_{name}.svg": ("examples/validation.py", f'"{name}": {name}') for name in VALIDATION},
     **{f"docs/validation_{name}.svg": ("examples/experiments.py", f'"validation_{name}.svg"') for name in ("experiments", "lanes")},
+    "docs/reference_growth.svg": ("reference/growth.py", "reference_growth.svg"),
     "docs/door_width.svg": ("examples/door_width.py", '"door_width.svg"'),
     "docs/calibration.png": ("examples/calibrate.py", '"calibration.png"'),
     "docs/waves.png": ("examples/waves.py", '"waves.png"'),

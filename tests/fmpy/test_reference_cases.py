@@ -13,9 +13,12 @@ from crowd import REPOSITORY
 REFERENCE = REPOSITORY / "reference"
 sys.path[:0] = [str(REFERENCE), str(REFERENCE / "adapters")]
 
+import choices  # noqa: E402
+import growth  # noqa: E402
 import law  # noqa: E402
 import run  # noqa: E402
 import solve  # noqa: E402
+import speed  # noqa: E402
 
 CASES = {directory.name: directory for directory in solve.directories()}
 SCENARIOS = sorted(path.name for path in (REPOSITORY / "tests/scenarios").iterdir())
@@ -122,6 +125,34 @@ def test_speed_is_said_of_the_longest_step_that_is_right(ours):
         found, error = re.search(rf"{material}, (\S+) s: error of nine of ten \S+ mm, greatest (\S+) mm", said).groups()
         assert float(found) >= step and float(error) <= 1.0, said
         assert float(re.search(rf"{material}, {found} s +(\S+)", said)[1]) > 0
+
+
+def test_a_crowd_on_two_threads_says_how_fast_it_is(ours, tmp_path, capsys):
+    speed.real_time(speed.crowd(tmp_path, "human_soft", 30), 2, 1)
+    assert re.search(r"30 people, 2 threads, 1 rounds:\n\d+\.\d+ times real time by wall time", capsys.readouterr().out)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="it reads /proc")
+def test_growth_repeats_a_crowd_without_overlaps(ours, tmp_path, monkeypatch):
+    monkeypatch.setattr(growth, "TILE", 10)
+    growth.tiled(speed.crowd(tmp_path, "human_soft", 10), tmp_path / "many", 6)
+    scene = law.Scene(tmp_path / "many", 0.1)
+    assert scene.ids == [str(k) for k in range(60)] and len(scene.owner) == 300
+    assert scene.geometry(scene.start)[0].max() <= 0
+    assert len(set(scene.fp)) == 10 and len({round(float(x), 9) for x in scene.start[:, 0]}) == 20  # two columns of three
+    cost = growth.measure(tmp_path / "many", 60, 2, 1)
+    assert all(number > 0 for number in cost), cost
+
+
+def test_other_arms_are_another_law(monkeypatch):
+    """The law of choices.py is that of the cases, and LAMMPS's arm at a wall is seen."""
+    monkeypatch.setattr(choices, "STEP", 2e-5)
+    directory = CASES["11_spinning_impact"]
+    case = law.description(directory)
+    for arms, least, most in ((False, 0, 6e-3), (True, 0.01, 0.02)):
+        state = choices.simulated(directory, case["end"], False, arms)
+        found = {name: state[name.rsplit(".", 1)[0]][name.rsplit(".", 1)[1]] for name in case["solution"]}
+        assert least < law.distance(case, found, case["solution"]) < most
 
 
 @pytest.mark.parametrize("name", CASES)
