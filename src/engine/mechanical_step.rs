@@ -66,10 +66,10 @@ struct Mover<D: Course> {
     body: BodyId,
     /// Index of its flight over one mechanical step: [`Body::flyer`].
     flyer: u32,
-    /// \[m\] [`Body::reach`]
-    reach: f64,
-    /// \[1/m\] One over its margin of near pairs.
-    per_margin: f64,
+    /// \[1/m²\] One over the square of its margin of near pairs.
+    per_squared_margin: f64,
+    /// \[1/rad\] [`Body::reach`] over this margin.
+    reach_per_margin: f64,
     /// \[1/kg\]
     inverse_mass: f64,
     /// \[1/(kg.m2)\]
@@ -84,8 +84,8 @@ impl<D: Course> Mover<D> {
         Mover {
             body: BodyId::from(b),
             flyer: body.flyer,
-            reach: body.reach,
-            per_margin: 0.0,
+            per_squared_margin: 0.0,
+            reach_per_margin: 0.0,
             inverse_mass: body.inverse_mass,
             inverse_inertia: body.inverse_inertia,
             drive: drives[b],
@@ -235,9 +235,10 @@ impl<D: Course> CommunicationStep<'_, D> {
     fn choose_margins(&mut self, left: f64) {
         let Blocks { kinematics, margins, .. } = &mut *self.blocks;
         let dt = self.mechanical.dt;
+        let reach = |mover: &Mover<D>| self.scene.bodies[mover.body.index()].reach;
         let movement = |mover: &Mover<D>| {
             let twist = kinematics[mover.body.index()].twist;
-            dt * (twist.velocity.norm() + mover.reach * twist.angular_velocity.abs())
+            dt * (twist.velocity.norm() + reach(mover) * twist.angular_velocity.abs())
         };
         let count = all(&self.movers).count().max(1) as f64;
         let mean = all(&self.movers).map(movement).sum::<f64>() / count;
@@ -245,15 +246,15 @@ impl<D: Course> CommunicationStep<'_, D> {
         margins.fill(0.0);
         for mover in self.movers.iter_mut().flat_map(|of_block| &mut of_block.list) {
             let margin = near_margin(movement(mover), mean, steps);
-            (margins[mover.body.index()], mover.per_margin) = (margin, 1.0 / margin);
+            margins[mover.body.index()] = margin;
+            mover.per_squared_margin = 1.0 / (margin * margin);
+            mover.reach_per_margin = reach(mover) / margin;
         }
     }
 
     /// Makes free bodies near active ones active, then those near these, and so on. After the first step, it is looked
     /// for near those that have moved. Returns whether there were some.
     fn awake(&mut self, step: u64) -> bool {
-        let is_free = |b: &usize| self.shortlist.activity[*b] == Activity::Free;
-        let free: Vec<usize> = (0..self.scene.bodies.len()).filter(is_free).collect();
         let moved = |b: &usize| {
             let now = self.blocks.kinematics[*b].pose();
             let then = self.awoken_at.get(*b);
@@ -263,11 +264,15 @@ impl<D: Course> CommunicationStep<'_, D> {
         };
         let mut waiting: Vec<usize> =
             all(&self.movers).map(|mover| mover.body.index()).filter(moved).collect();
-        if free.is_empty() {
-            // Many bytes per agent.
-            self.shortlist.forget_circles();
+        if waiting.is_empty() {
+            return false;
         }
-        if free.is_empty() || waiting.is_empty() {
+        let is_free = |b: &usize| self.shortlist.activity[*b] == Activity::Free;
+        let free: Vec<usize> = (0..self.scene.bodies.len()).filter(is_free).collect();
+        if free.is_empty() {
+            // They take many bytes per agent.
+            self.shortlist.forget_circles();
+            self.awoken_at = Vec::new();
             return false;
         }
         let mut found = false;
@@ -366,8 +371,8 @@ fn predict<D: Course>(
         let turn = pose.orientation - before.orientation;
         // The predicted velocity is the one after another half kick.
         kinematics.follow(pose, turn, kicked(twist, acceleration, half_kick));
-        moved = greater(moved, ((pose.position - before.position) * mover.per_margin).norm_squared());
-        turned = greater(turned, mover.reach * turn.abs() * mover.per_margin);
+        moved = greater(moved, (pose.position - before.position).norm_squared() * mover.per_squared_margin);
+        turned = greater(turned, turn.abs() * mover.reach_per_margin);
     }
     moved.sqrt() + turned
 }
