@@ -70,8 +70,8 @@ def measure(trial, people, frames, rounds):
     command, rows = ["run", trial, "--step", repr(FRAME), "--set", f"TimeStepMechanical={STEP}", "--threads", 1, "--every", frames, "-o", "-"], []
     for _ in range(rounds):
         reading, total, peak, failed = process(*command, "--until", repr(frames * FRAME))
-        if failed:
-            raise SystemExit(f"{people} people: {failed}")
+        if failed or not reading:
+            raise SystemExit(f"{people} people: {failed or 'no output'}")
         rows.append([1e6 * reading / people, 1e6 * (total - reading) / frames / 9 / people, peak / people])
     return [statistics.median(column) for column in zip(*rows)]
 
@@ -97,6 +97,8 @@ def main():
     parser.add_argument("--people", type=int, nargs="+", default=[1000, 10_000, 100_000, 1_000_000])
     parser.add_argument("--draw", type=Path)
     arguments, rows = parser.parse_args(), []
+    if wrong := [people for people in arguments.people if people < TILE or people % TILE]:
+        parser.error(f"--people {wrong[0]}: must be a multiple of {TILE}")
     print("people; per person: processor time [us] of reading and of a step, peak of memory [byte]; packed as FMU", flush=True)
     with tempfile.TemporaryDirectory() as folder:
         one = crowd(Path(folder), "human_soft", TILE)

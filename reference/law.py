@@ -357,9 +357,16 @@ def solved(directory, names, longest=5e-4, tolerance=1e-11):
 
 def certificate(directory, names, step, best=None):
     """Both integrators: the adaptive one's values (`best`, if known), the order that three halved steps of the other show, the distance of both."""
-    case, scene = description(directory), Scene(directory)
+    case = description(directory)
     best = best or solved(directory, names)
-    halved = [named(scene, Fixed(scene, step / 2**k).advance(case["end"]), names) for k in range(3)]
+
+    def fixed(step):
+        scene = Scene(directory)
+        march = Fixed(scene, step)
+        driven(case, march.advance, scene.force)
+        return named(scene, march, names)
+
+    halved = [fixed(step / 2**k) for k in range(3)]
     first, second = (distance(case, halved[k], halved[k + 1]) for k in range(2))
     order = math.log2(first / second) if first > 1e-9 else math.inf  # else only rounding is left
     return best, order, distance(case, best, halved[2])

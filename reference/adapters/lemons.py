@@ -46,7 +46,7 @@ class Engine:
         self.slave.setReal([self.references[f"{body}.{what}"] for what in ("Fp.x", "Fp.y", "Mp")], [*fp, mp])
 
     def step(self, t):
-        steps, rest = round((t - self.now) / 0.01), t - self.now
+        steps, rest = max(1, round((t - self.now) / 0.01)), t - self.now
         before = time.process_time()
         for k in range(steps):
             self.slave.doStep(currentCommunicationPoint=self.now + k * rest / steps, communicationStepSize=rest / steps)

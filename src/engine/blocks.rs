@@ -20,7 +20,7 @@ use super::{Body, ContactDisk, Pair, Pose, Scene, State, Threads, Twist, Vec2, W
 /// cheap, and small enough that a crowd of a thousand can be shared. It affects the last digits of results.
 pub(super) const BLOCK: usize = 512;
 
-/// A pose so far away from all others that the pairs of a body must be listed.
+/// Not a number: it counts as moved, so the body is listed.
 const UNLISTED: Pose = Pose { position: Vec2::new(f64::NAN, f64::NAN), orientation: f64::NAN };
 
 /// The pairs of the bodies `BLOCK·k` to `BLOCK·(k + 1)`.
@@ -155,7 +155,7 @@ impl Blocks {
         }
     }
 
-    /// Forgets all candidates: bodies or walls come or go, or bodies are put elsewhere.
+    /// Forgets all candidates: bodies or walls come or go, bodies are put elsewhere, or a step failed.
     pub fn forget_candidates(&mut self) {
         self.listed_at.fill(UNLISTED);
         self.blocks.iter_mut().for_each(|block| block.candidates = Candidates::default());

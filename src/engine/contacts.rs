@@ -50,7 +50,7 @@ pub struct Work {
     pub sliding: u64,
     /// Pairs whose centres coincided: they have no normal, so no force acts.
     pub coincident: u64,
-    /// Bodies whose candidates were listed anew.
+    /// Bodies whose candidates were listed anew because they had moved too far; their neighbours are not counted.
     pub listed: u64,
     /// How many times the list of near pairs was made from the candidates.
     pub refreshes: u64,

@@ -118,7 +118,7 @@ pub(super) struct CommunicationStep<'a, D: Course> {
     pub across: Vec<Option<AcrossFlight>>,
     /// \[1\] Part of the margins by which bodies may move before the list of near pairs is made again.
     pub leeway: f64,
-    /// The poses of active bodies when it was last looked for free ones near them; empty if nobody is free.
+    /// The poses of active bodies when it was last looked for free ones near them; empty before, and if nobody is free.
     pub awoken_at: Vec<Pose>,
 }
 
@@ -216,11 +216,14 @@ impl<D: Course> CommunicationStep<'_, D> {
         self.blocks.evaluate(self.scene, self.threads, update, half_kick, correct);
     }
 
-    /// Makes the lists valid again after a step: the near pairs and, if necessary, the candidates.
+    /// Makes the lists valid after some steps: the near pairs and, if necessary, the candidates.
     fn renew_lists(&mut self, step: u64, steps: u64) -> Result<(), Crowded> {
-        self.choose_margins((steps - step) as f64);
-        if (step == 0 || !self.awoken_at.is_empty()) && self.awake(step) {
+        // Who wakes changes the margins of all, and margins decide who must be looked at again.
+        loop {
             self.choose_margins((steps - step) as f64);
+            if step > 0 && self.awoken_at.is_empty() || !self.awake(step) {
+                break;
+            }
         }
         let activity = &self.shortlist.activity;
         self.work.listed +=
@@ -252,8 +255,8 @@ impl<D: Course> CommunicationStep<'_, D> {
         }
     }
 
-    /// Makes free bodies near active ones active, then those near these, and so on. After the first step, it is looked
-    /// for near those that have moved. Returns whether there were some.
+    /// Makes free bodies near active ones active, then those near these, and so on: near all at first, later near those
+    /// that have moved. Returns whether there were some.
     fn awake(&mut self, step: u64) -> bool {
         let moved = |b: &usize| {
             let now = self.blocks.kinematics[*b].pose();

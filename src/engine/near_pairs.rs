@@ -137,8 +137,8 @@ struct OldPairs {
 }
 
 impl NearPairs {
-    /// Replaces the near pairs by the candidates nearer than the margins \[m\] of their bodies, after an evaluation. Pairs that remain keep
-    /// their springs; those that touched in this evaluation remain.
+    /// Replaces the near pairs by the candidates nearer than the margins \[m\] of their bodies, after an evaluation. Pairs
+    /// that remain keep their springs; candidates that touched in this evaluation remain.
     pub fn renew(
         &mut self,
         scene: &Scene,

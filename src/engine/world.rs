@@ -393,7 +393,8 @@ impl World {
     /// Puts the world into a state of the same scene. From there on it gives the same bits as the world from which
     /// the state was taken, if the same bodies and walls are there.
     ///
-    /// The [`World::exposures`] are not part of a state. They are then those of the contacts at this time.
+    /// The [`World::exposures`] are not part of a state. They are then those of the contacts at this time. Whether pairs are
+    /// too many may depend on when they were listed; then one world goes on and the other does not.
     ///
     /// # Errors
     /// More pairs are near each other than the limit of memory allows. The world is then unchanged.
@@ -452,6 +453,15 @@ impl World {
     /// # Errors
     /// See [`AdvanceError`]. The world is then unchanged.
     pub fn advance_on(&mut self, duration: f64, so_far: f64) -> Result<(), AdvanceError> {
+        let result = self.try_advance_on(duration, so_far);
+        if result.is_err() {
+            // They hold for poses of a step that did not happen.
+            self.blocks.forget_candidates();
+        }
+        result
+    }
+
+    fn try_advance_on(&mut self, duration: f64, so_far: f64) -> Result<(), AdvanceError> {
         let steps = step_count(duration, self.mechanical_step)?;
         if steps > MOST_STEPS {
             return Err(AdvanceError::TooManySteps { duration, mechanical_step: self.mechanical_step });

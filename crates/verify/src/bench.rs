@@ -141,7 +141,7 @@ pub struct Figures {
     pub pairs: f64,
     /// Contacts per agent and step.
     pub contacts: f64,
-    /// How often the candidates of an agent were listed in a thousand steps.
+    /// How often an agent had moved so far, in a thousand steps, that its candidates were listed anew.
     pub listed: f64,
     /// Number of near-pair lists made from them in a thousand steps.
     pub refreshes: f64,
