@@ -43,8 +43,8 @@ pub(super) struct Block {
     wall_forces: Vec<WallForce>,
     /// The contacts of chests at the present instant.
     chest_forces: Vec<ChestForce>,
-    /// The last value returned for its bodies.
-    result: f64,
+    /// The last values returned for its bodies.
+    result: [f64; 2],
     work: Work,
 }
 
@@ -56,7 +56,7 @@ pub(super) struct Blocks {
     pub kinematics: Vec<BodyKinematics>,
     /// One for each body.
     pub flown: Vec<Flown>,
-    /// \[m\] For each body the margin of its near pairs; zero for those that do not move by mechanical steps.
+    /// \[m\] For each body the margin of its near pairs; not a number for those that do not move by mechanical steps.
     pub margins: Vec<f64>,
     /// The poses at which bodies were listed; not a number for those that are not listed.
     listed_at: Vec<Pose>,
@@ -223,7 +223,7 @@ impl Blocks {
     }
 
     /// Sums the contact forces at this instant, and lets the springs advance according to `update`. Then it applies a
-    /// function to the bodies of every block and returns the largest result. The instant counts for a `duration` \[s\]
+    /// function to the bodies of every block and returns the largest results. The instant counts for a `duration` \[s\]
     /// in the sums of walls.
     ///
     /// A single thread processes block by block, while each is in the cache. Moving the bodies of a block does not
@@ -234,8 +234,8 @@ impl Blocks {
         threads: &Threads,
         update: SpringUpdate,
         duration: f64,
-        then: impl Fn(usize, Bodies) -> f64 + Send + Sync,
-    ) -> f64 {
+        then: impl Fn(usize, Bodies) -> [f64; 2] + Send + Sync,
+    ) -> [f64; 2] {
         let before = self.evaluation;
         // 32 bits, so that a spring has 32 bytes. A communication step has fewer mechanical steps (`MOST_STEPS`).
         self.evaluation += 1;
@@ -281,7 +281,8 @@ impl Blocks {
             let forces = blocks.iter().flat_map(|block| &block.chest_forces);
             ChestSum::add_all(chests, forces, duration);
         }
-        blocks.iter().map(|block| block.result).fold(0.0, f64::max)
+        let largest = |one: [f64; 2], block: &Block| [0, 1].map(|k| one[k].max(block.result[k]));
+        blocks.iter().fold([0.0; 2], largest)
     }
 
     /// Whether the bits of touching pairs are those of the springs of the last evaluation, and how many pairs there are.

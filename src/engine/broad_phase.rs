@@ -12,20 +12,51 @@ use thiserror::Error;
 /// lists that hold longer. The motion does not depend on it.
 pub(super) const SKIN: f64 = 0.06;
 
-/// \[m\] Active bodies nearer than this to one that is free make it active. For an active body this is looked at again
-/// when it has moved by this less its margin. The choice of free bodies, and the time when one becomes active, depend on
-/// it; so do the last digits of results.
+/// \[m\] Active bodies nearer than this to one that is free make it active: see [`Watch`].
 pub(super) const AWAKE: f64 = 0.02;
+
+/// When it is looked again for free bodies near active ones. The choice of free bodies, and the time when one becomes
+/// active, depend on it; so do the last digits of results. It depends on the state and the drive alone, not on lists.
+pub(super) struct Watch {
+    /// \[m\] Twice the distance that a body may move until the next look.
+    margin: f64,
+    /// \[m\] What is left of this distance.
+    leeway: f64,
+    /// Number of steps before the last look.
+    step: u64,
+}
+
+impl Watch {
+    pub fn new() -> Watch {
+        Watch { margin: 0.002, leeway: 0.001, step: 0 }
+    }
+
+    /// Bodies have moved by a distance \[m\] at most. Returns whether it is time to look.
+    pub fn is_over(&mut self, moved: f64) -> bool {
+        self.leeway -= moved;
+        self.leeway <= 0.0
+    }
+
+    /// Begins anew after a step. Returns how far \[m\] a body may have moved since it was looked near it.
+    pub fn begin(&mut self, step: u64) -> f64 {
+        let movement = (0.5 * self.margin - self.leeway) / (step - self.step) as f64;
+        // A step that fails must not change later ones.
+        let margin =
+            if movement.is_nan() { 0.002 } else { (0.42 * movement.sqrt()).clamp(0.0005, 0.5 * AWAKE) };
+        *self = Watch { margin, leeway: 0.5 * margin, step };
+        0.5 * (AWAKE - margin)
+    }
+}
 
 /// Returns the margin \[m\] of a body that moves by some distance \[m\] in a step, to last for some steps: candidates
 /// nearer than the sum of their margins are checked in every mechanical step. So those who run do not lengthen the list
 /// of all others.
 pub(super) fn near_margin(movement: f64, mean_movement: f64, steps: f64) -> f64 {
-    /// \[m\] What a body at rest has, because it may begin to move.
-    const LEAST: f64 = 0.00025;
-    let margin = LEAST + steps * (1.1 * movement + 0.4 * mean_movement);
-    // With more, a free body could be missed. Also if the movement is not a number.
-    if margin < AWAKE { margin } else { AWAKE }
+    /// \[m\] What a body at rest has, because it may begin to move; and the largest value.
+    const RANGE: [f64; 2] = [0.00025, 0.02];
+    let margin = RANGE[0] + steps * (1.1 * movement + 0.4 * mean_movement);
+    // Also if the movement is not a number.
+    if margin < RANGE[1] { margin } else { RANGE[1] }
 }
 
 /// Returns for how many steps a list of near pairs should last, if bodies move by this distance \[m\] in a step. It costs

@@ -7,7 +7,7 @@
 //! 310 (2025) 109524). This keeps second order for forces that depend on velocity.
 
 use super::blocks::{BLOCK, Blocks, Bodies};
-use super::broad_phase::{AWAKE, CellGrid, Crowded, moved_further, near_margin, steps_of_near_pairs};
+use super::broad_phase::{AWAKE, CellGrid, Crowded, Watch, moved_further, near_margin, steps_of_near_pairs};
 use super::circle::Circle;
 use super::contacts::{SpringUpdate, Step, greater};
 use super::free_flight::{AcrossFlight, Course, Ramp};
@@ -66,6 +66,8 @@ struct Mover<D: Course> {
     body: BodyId,
     /// Index of its flight over one mechanical step: [`Body::flyer`].
     flyer: u32,
+    /// \[m\] [`Body::reach`]
+    reach: f64,
     /// \[1/m²\] One over the square of its margin of near pairs.
     per_squared_margin: f64,
     /// \[1/rad\] [`Body::reach`] over this margin.
@@ -84,6 +86,7 @@ impl<D: Course> Mover<D> {
         Mover {
             body: BodyId::from(b),
             flyer: body.flyer,
+            reach: body.reach,
             per_squared_margin: 0.0,
             reach_per_margin: 0.0,
             inverse_mass: body.inverse_mass,
@@ -118,7 +121,9 @@ pub(super) struct CommunicationStep<'a, D: Course> {
     pub across: Vec<Option<AcrossFlight>>,
     /// \[1\] Part of the margins by which bodies may move before the list of near pairs is made again.
     pub leeway: f64,
-    /// The poses of active bodies when it was last looked for free ones near them; empty before, and if nobody is free.
+    /// When it is looked for free bodies again.
+    pub watch: Watch,
+    /// The poses when it was last looked for free bodies near active ones; empty if nobody is free.
     pub awoken_at: Vec<Pose>,
 }
 
@@ -131,9 +136,9 @@ impl<D: Course> CommunicationStep<'_, D> {
         self.begin(steps)?;
         if all(&self.movers).next().is_some() {
             for step in 1..=steps {
-                self.step(step);
+                let moved = self.step(step);
                 // A pose that is not a number is ignored here: the communication step then ends with an error.
-                if self.leeway <= 0.0 {
+                if self.wakes(step, moved) || self.leeway <= 0.0 {
                     self.renew_lists(step, steps)?;
                 }
             }
@@ -157,11 +162,12 @@ impl<D: Course> CommunicationStep<'_, D> {
             self.flights = D::flights(self.scene, self.mechanical.dt);
             self.across = AcrossFlight::all_over(self.scene, self.mechanical.dt);
         }
+        self.awake(0);
         self.renew_lists(0, steps)
     }
 
-    /// Evaluates the contacts, kicks, and flies to the next instant.
-    fn step(&mut self, step: u64) {
+    /// Evaluates the contacts, kicks, and flies to the next instant. Returns how far \[m\] a disk may have moved.
+    fn step(&mut self, step: u64) -> f64 {
         // Between two steps, the last half kick of one and the first of the next are done together.
         let (update, kick) = match step {
             1 => (SpringUpdate::Hold, 0.5 * self.mechanical.dt),
@@ -193,10 +199,13 @@ impl<D: Course> CommunicationStep<'_, D> {
                 }
                 (end, end_twist)
             };
-            moved.max(predict(with_wheels, &mut bodies, kick, half_kick, roll))
+            let rolled = predict(with_wheels, &mut bodies, kick, half_kick, roll);
+            [0, 1].map(|k| moved[k].max(rolled[k]))
         };
-        self.leeway -= self.blocks.evaluate(self.scene, self.threads, update, kick, predict);
+        let [used, moved] = self.blocks.evaluate(self.scene, self.threads, update, kick, predict);
+        self.leeway -= used;
         self.work.steps += 1;
+        moved
     }
 
     /// Evaluates the forces of the last instant and does the last half kick.
@@ -210,7 +219,7 @@ impl<D: Course> CommunicationStep<'_, D> {
                 flown.exposure_sum.add(&load, half_kick);
                 flown.twist = kicked(flown.twist, mover.acceleration(&load.wrench), half_kick);
             }
-            0.0
+            [0.0; 2]
         };
         let update = SpringUpdate::Over(&self.mechanical);
         self.blocks.evaluate(self.scene, self.threads, update, half_kick, correct);
@@ -218,13 +227,7 @@ impl<D: Course> CommunicationStep<'_, D> {
 
     /// Makes the lists valid after some steps: the near pairs and, if necessary, the candidates.
     fn renew_lists(&mut self, step: u64, steps: u64) -> Result<(), Crowded> {
-        // Who wakes changes the margins of all, and margins decide who must be looked at again.
-        loop {
-            self.choose_margins((steps - step) as f64);
-            if step > 0 && self.awoken_at.is_empty() || !self.awake(step) {
-                break;
-            }
-        }
+        self.choose_margins((steps - step) as f64);
         let activity = &self.shortlist.activity;
         self.work.listed +=
             self.blocks.list(self.scene, self.threads, |b| activity[b] == Activity::Active)?;
@@ -238,54 +241,52 @@ impl<D: Course> CommunicationStep<'_, D> {
     fn choose_margins(&mut self, left: f64) {
         let Blocks { kinematics, margins, .. } = &mut *self.blocks;
         let dt = self.mechanical.dt;
-        let reach = |mover: &Mover<D>| self.scene.bodies[mover.body.index()].reach;
         let movement = |mover: &Mover<D>| {
             let twist = kinematics[mover.body.index()].twist;
-            dt * (twist.velocity.norm() + reach(mover) * twist.angular_velocity.abs())
+            dt * (twist.velocity.norm() + mover.reach * twist.angular_velocity.abs())
         };
         let count = all(&self.movers).count().max(1) as f64;
         let mean = all(&self.movers).map(movement).sum::<f64>() / count;
         let steps = steps_of_near_pairs(mean).min(left.max(1.0));
-        margins.fill(0.0);
+        // Pairs of others are never near: a longer list would change the order of impulses, and so last digits.
+        margins.fill(f64::NAN);
         for mover in self.movers.iter_mut().flat_map(|of_block| &mut of_block.list) {
             let margin = near_margin(movement(mover), mean, steps);
             margins[mover.body.index()] = margin;
             mover.per_squared_margin = 1.0 / (margin * margin);
-            mover.reach_per_margin = reach(mover) / margin;
+            mover.reach_per_margin = mover.reach / margin;
         }
     }
 
-    /// Makes free bodies near active ones active, then those near these, and so on: near all at first, later near those
-    /// that have moved. Returns whether there were some.
-    fn awake(&mut self, step: u64) -> bool {
-        let moved = |b: &usize| {
-            let now = self.blocks.kinematics[*b].pose();
-            let then = self.awoken_at.get(*b);
-            then.is_none_or(|then| {
-                moved_further(AWAKE - self.blocks.margins[*b], self.scene.bodies[*b].reach, then, &now)
-            })
+    /// Looks for free bodies, if it is time, after a step in which disks have moved by a distance \[m\] at most. Returns
+    /// whether some became active.
+    fn wakes(&mut self, step: u64, moved: f64) -> bool {
+        if self.awoken_at.is_empty() || !self.watch.is_over(moved) {
+            return false;
+        }
+        let most = self.watch.begin(step);
+        let has_moved = |mover: &Mover<D>| {
+            let b = mover.body.index();
+            moved_further(most, mover.reach, &self.awoken_at[b], &self.blocks.kinematics[b].pose())
         };
-        let mut waiting: Vec<usize> =
-            all(&self.movers).map(|mover| mover.body.index()).filter(moved).collect();
-        if waiting.is_empty() {
-            return false;
-        }
-        let is_free = |b: &usize| self.shortlist.activity[*b] == Activity::Free;
-        let free: Vec<usize> = (0..self.scene.bodies.len()).filter(is_free).collect();
-        if free.is_empty() {
-            // They take many bytes per agent.
-            self.shortlist.forget_circles();
-            self.awoken_at = Vec::new();
-            return false;
-        }
+        all(&self.movers).any(has_moved) && self.awake(step)
+    }
+
+    /// Makes free bodies near active ones active, then those near these, and so on. Returns whether there were some.
+    fn awake(&mut self, step: u64) -> bool {
+        let is_free = |activity: &Activity| *activity == Activity::Free;
+        let free: Vec<usize> =
+            (0..self.scene.bodies.len()).filter(|&b| is_free(&self.shortlist.activity[b])).collect();
+        let mut waiting: Vec<usize> = all(&self.movers).map(|mover| mover.body.index()).collect();
         let mut found = false;
-        self.awoken_at.resize(self.scene.bodies.len(), Pose::default());
         let largest = self.scene.bodies.iter().map(|body| body.bounding_radius);
         let largest = free.iter().map(|&b| self.shortlist.swept[b].radius).chain(largest).fold(0.0, f64::max);
         let grid = CellGrid::near(largest, &self.shortlist.swept, free.iter().copied(), AWAKE);
+        if free.is_empty() {
+            waiting.clear();
+        }
         let mut near = Vec::new();
         while let Some(active) = waiting.pop() {
-            self.awoken_at[active] = self.blocks.kinematics[active].pose();
             near.clear();
             grid.for_each_near(&self.circle_now(active), AWAKE, |b| {
                 if self.shortlist.activity[b] == Activity::Free {
@@ -300,6 +301,13 @@ impl<D: Course> CommunicationStep<'_, D> {
             near.iter().for_each(|&b| self.take_in(b, step));
             found |= !near.is_empty();
             waiting.append(&mut near);
+        }
+        self.awoken_at.clear();
+        if self.shortlist.activity.iter().any(is_free) {
+            self.awoken_at.extend(self.blocks.kinematics.iter().map(|body| body.pose()));
+        } else {
+            // They take many bytes per agent.
+            self.shortlist.forget_circles();
         }
         found
     }
@@ -351,7 +359,8 @@ fn all<D: Course>(movers: &[Movers<D>]) -> impl Iterator<Item = &Mover<D>> {
 }
 
 /// Kicks bodies of a block over a duration \[s\] and lets them fly to the next instant; their velocity there is predicted
-/// with a half kick \[s\]. Returns the largest part of its margin by which a disk of them may have moved.
+/// with a half kick \[s\]. Returns the largest part of its margin by which a disk of them may have moved, and the
+/// largest distance \[m\].
 #[inline(always)]
 fn predict<D: Course>(
     movers: &[Mover<D>],
@@ -359,9 +368,9 @@ fn predict<D: Course>(
     kick: f64,
     half_kick: f64,
     fly: impl Fn(&Mover<D>, Pose, Twist) -> (Pose, Twist),
-) -> f64 {
+) -> [f64; 2] {
     // Squares, so that one root is enough for all.
-    let (mut moved, mut turned) = (0.0f64, 0.0f64);
+    let (mut moved, mut turned, mut moved_by, mut turned_by) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
     for mover in movers {
         let b = mover.body.index() - bodies.start;
         let load = std::mem::take(&mut bodies.loads[b]);
@@ -374,10 +383,13 @@ fn predict<D: Course>(
         let turn = pose.orientation - before.orientation;
         // The predicted velocity is the one after another half kick.
         kinematics.follow(pose, turn, kicked(twist, acceleration, half_kick));
-        moved = greater(moved, (pose.position - before.position).norm_squared() * mover.per_squared_margin);
+        let squared = (pose.position - before.position).norm_squared();
+        moved = greater(moved, squared * mover.per_squared_margin);
         turned = greater(turned, turn.abs() * mover.reach_per_margin);
+        moved_by = greater(moved_by, squared);
+        turned_by = greater(turned_by, mover.reach * turn.abs());
     }
-    moved.sqrt() + turned
+    [moved.sqrt() + turned, moved_by.sqrt() + turned_by]
 }
 
 /// Adds the impulses by contacts that began or ended within the last step.

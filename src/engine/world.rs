@@ -1,7 +1,7 @@
 //! The world owns scene, drive and state, and advances them in time.
 
 use super::blocks::Blocks;
-use super::broad_phase::Crowded;
+use super::broad_phase::{Crowded, Watch};
 use super::compression::compressions;
 use super::contacts::{SpringUpdate, Step};
 use super::face::nearest_on_face;
@@ -416,7 +416,7 @@ impl World {
                 .iter_mut()
                 .zip(bodies.loads)
                 .for_each(|(flown, load)| flown.exposure_sum.add(&std::mem::take(load), 0.0));
-            0.0
+            [0.0; 2]
         });
         blocks.take_work();
         self.contacts = blocks.report(scene);
@@ -529,6 +529,7 @@ impl World {
             flights: Vec::new(),
             across: Vec::new(),
             leeway: 0.0,
+            watch: Watch::new(),
             awoken_at: Vec::new(),
         };
         let state = threads.enter(|| step.run(steps));

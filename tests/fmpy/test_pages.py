@@ -49,6 +49,7 @@ NOT_RUN = {
     ("docs/validation.md", "python examples/validation.py"): "takes minutes; test_walking_models.py runs its quick cases",
     ("docs/reference-cases.md", "python reference/run.py"): "needs engines of others, and minutes; test_reference_cases.py runs ours",
     ("docs/reference-cases.md", "python reference/speed.py"): "needs engines of others, and minutes; test_reference_cases.py runs ours",
+    ("docs/reference-cases.md", "python reference/growth.py"): "needs minutes, and 18 GB of memory; test_reference_cases.py has fewer people",
     ("docs/standards.md", "python examples/standards/book.py"): "takes minutes; test_standards.py runs the quick scenes",
     ("docs/scenes.md", "python examples/scenes/scenes.py all"): "test_pictures.py draws them",
     ("docs/scenes.md", "python examples/scenes/scenes.py concert"): "test_pictures.py runs it, and compares what it prints",
