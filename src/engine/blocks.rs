@@ -155,7 +155,7 @@ impl Blocks {
         }
     }
 
-    /// Forgets all candidates: bodies or walls come or go, bodies are put elsewhere, or a step failed.
+    /// Forgets all candidates: bodies or walls come or go, or bodies are put elsewhere.
     pub fn forget_candidates(&mut self) {
         self.listed_at.fill(UNLISTED);
         self.blocks.iter_mut().for_each(|block| block.candidates = Candidates::default());

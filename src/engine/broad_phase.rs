@@ -27,8 +27,11 @@ pub(super) struct Watch {
 }
 
 impl Watch {
+    /// \[m\] The first margin.
+    const FIRST: f64 = 0.002;
+
     pub fn new() -> Watch {
-        Watch { margin: 0.002, leeway: 0.001, step: 0 }
+        Watch { margin: Watch::FIRST, leeway: 0.5 * Watch::FIRST, step: 0 }
     }
 
     /// Bodies have moved by a distance \[m\] at most. Returns whether it is time to look.
@@ -40,9 +43,11 @@ impl Watch {
     /// Begins anew after a step. Returns how far \[m\] a body may have moved since it was looked near it.
     pub fn begin(&mut self, step: u64) -> f64 {
         let movement = (0.5 * self.margin - self.leeway) / (step - self.step) as f64;
-        // A step that fails must not change later ones.
-        let margin =
-            if movement.is_nan() { 0.002 } else { (0.42 * movement.sqrt()).clamp(0.0005, 0.5 * AWAKE) };
+        // Faster bodies move further between two looks, but have fewer steps. A step that fails must not change later ones.
+        let margin = match movement.is_nan() {
+            true => Watch::FIRST,
+            false => (0.42 * movement.sqrt()).clamp(0.0005, 0.5 * AWAKE),
+        };
         *self = Watch { margin, leeway: 0.5 * margin, step };
         0.5 * (AWAKE - margin)
     }

@@ -453,15 +453,6 @@ impl World {
     /// # Errors
     /// See [`AdvanceError`]. The world is then unchanged.
     pub fn advance_on(&mut self, duration: f64, so_far: f64) -> Result<(), AdvanceError> {
-        let result = self.try_advance_on(duration, so_far);
-        if result.is_err() {
-            // They hold for poses of a step that did not happen.
-            self.blocks.forget_candidates();
-        }
-        result
-    }
-
-    fn try_advance_on(&mut self, duration: f64, so_far: f64) -> Result<(), AdvanceError> {
         let steps = step_count(duration, self.mechanical_step)?;
         if steps > MOST_STEPS {
             return Err(AdvanceError::TooManySteps { duration, mechanical_step: self.mechanical_step });

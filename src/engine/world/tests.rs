@@ -100,8 +100,7 @@ fn flying(spread: f64) -> World {
     World::new(scene, State::new(poses, twists.collect()), 1e-4).unwrap()
 }
 
-/// When a free body becomes active depends on the lists of near pairs, and so do its last bits. Candidates that were listed
-/// before, also in a step that failed, change nothing.
+/// Candidates that were listed before, also in a step that failed, change nothing.
 #[test]
 fn a_restored_world_gives_the_same_bits_where_free_bodies_become_active() {
     for spread in [0.3, 0.4, 0.5, 0.6, 0.8] {
