@@ -5,7 +5,7 @@ import { effect, signal } from "@preact/signals";
 import { ready, shape } from "./drawn";
 import { type KeptCrowd, ofAllPairs } from "./forms";
 import { t } from "./language";
-import { crowdOf, plan } from "./plan";
+import { arrived, crowdOf, opened, plan } from "./plan";
 import { beyond, cornersOf } from "./places";
 import type { Motion, Point, Room } from "./protocol";
 import { rename } from "./scenes";
@@ -36,7 +36,8 @@ export function follow() {
             tried = "";
             return;
         }
-        if (wanted === tried || !ready()) return;
+        // A scene that was opened is shown, or refused, as it is.
+        if (wanted === tried || !ready() || arrived.value !== opened.value) return;
         const timer = setTimeout(() => {
             tried = wanted;
             place(false);
