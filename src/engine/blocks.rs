@@ -4,7 +4,7 @@
 //! order of every sum, and with it every bit of the results, is the same for any number of threads.
 
 use super::body_kinematics::BodyKinematics;
-use super::broad_phase::{CellGrid, Crowded, Listing, PairLimit, SKIN, list, moved_further};
+use super::broad_phase::{CellGrid, Crowded, Listing, PairLimit, list, moved_further, skin_for};
 use super::circle::Circle;
 use super::contact_geometry::Instant;
 use super::contacts::{Impulse, Load, OnWall, OutgoingLoad, SpringUpdate, Sums, WallForce};
@@ -12,21 +12,37 @@ use super::exposure::{ExposureSum, Exposures, FaceSum};
 use super::levels::{ChestForce, ChestSum};
 use super::near_pairs::{Candidates, FIRST_EVALUATION, NearPairs};
 use super::report::ContactReport;
-use super::shortlist::disks_of;
 use super::wall_contacts::WallContacts;
-use super::{Body, ContactDisk, Pair, Pose, Scene, State, Threads, Twist, Vec2, Work};
+use super::{Body, ContactDisk, Pair, Pose, Rotation, Scene, State, Threads, Twist, Vec2, Work, vec2};
+use std::ops::Range;
 
 /// Number of bodies of a block. It is large enough that few pairs connect two blocks and that giving it to a thread is
 /// cheap, and small enough that a crowd of a thousand can be shared. It affects the last digits of results.
 pub(super) const BLOCK: usize = 512;
 
-/// Not a number: it counts as moved, so the body is listed.
-const UNLISTED: Pose = Pose { position: Vec2::new(f64::NAN, f64::NAN), orientation: f64::NAN };
+/// Where a body was when its candidates were listed.
+#[derive(Debug, Clone, Copy)]
+struct Listed {
+    pose: Pose,
+    turn: Rotation,
+    /// \[m\] See [`skin_for`].
+    skin: f64,
+}
+
+impl Listed {
+    /// Makes it of a body that is not listed: no number, which counts as moved.
+    fn nowhere() -> Listed {
+        let pose = Pose { position: vec2(f64::NAN, f64::NAN), orientation: f64::NAN };
+        Listed { pose, turn: Rotation::identity(), skin: 0.0 }
+    }
+}
 
 /// The pairs of the bodies `BLOCK·k` to `BLOCK·(k + 1)`.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Block {
     candidates: Candidates,
+    /// Whether bodies that joined the listed ones the last time have pairs in it.
+    joined: bool,
     pairs: NearPairs,
     /// Scratch space.
     walls: WallContacts,
@@ -48,6 +64,15 @@ pub(super) struct Block {
     work: Work,
 }
 
+/// Which blocks get a new list of near pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Renewed {
+    /// All of them.
+    All,
+    /// Those with pairs of bodies that joined.
+    Joined,
+}
+
 /// All blocks and the motion of their bodies.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Blocks {
@@ -58,8 +83,10 @@ pub(super) struct Blocks {
     pub flown: Vec<Flown>,
     /// \[m\] For each body the margin of its near pairs; not a number for those that do not move by mechanical steps.
     pub margins: Vec<f64>,
-    /// The poses at which bodies were listed; not a number for those that are not listed.
-    listed_at: Vec<Pose>,
+    /// Where bodies were listed.
+    listed: Vec<Listed>,
+    /// Scratch space: all disks, larger by a skin or a margin.
+    enlarged: Vec<Circle>,
     /// \[N.s\] For each body the impulse by walls since [`Blocks::load`]: few bodies touch one.
     pub by_walls: Vec<f64>,
     /// For each face the sums since then.
@@ -104,7 +131,8 @@ impl Blocks {
             kinematics: vec![BodyKinematics::default(); bodies],
             flown: vec![Flown::default(); bodies],
             margins: vec![0.0; bodies],
-            listed_at: vec![UNLISTED; bodies],
+            listed: vec![Listed::nowhere(); bodies],
+            enlarged: vec![Circle { centre: Vec2::zeros(), radius: 0.0 }; scene.disks.len()],
             by_walls: vec![0.0; bodies],
             faces: vec![FaceSum::default(); scene.faces.len()],
             panels: vec![FaceSum::default(); scene.panels.count()],
@@ -157,7 +185,7 @@ impl Blocks {
 
     /// Forgets all candidates: bodies or walls come or go, or bodies are put elsewhere.
     pub fn forget_candidates(&mut self) {
-        self.listed_at.fill(UNLISTED);
+        self.listed.fill(Listed::nowhere());
         self.blocks.iter_mut().for_each(|block| block.candidates = Candidates::default());
     }
 
@@ -174,51 +202,69 @@ impl Blocks {
         let mut anew = vec![false; scene.bodies.len()];
         let mut moved = Vec::new();
         for (b, body) in scene.bodies.iter().enumerate().filter(|(b, _)| listed(*b)) {
-            let pose = self.kinematics[b].pose();
-            if moved_further(0.5 * SKIN - self.margins[b], body.reach, &self.listed_at[b], &pose) {
-                self.listed_at[b] = pose;
+            let (now, margin, listed) = (&self.kinematics[b], self.margins[b], &mut self.listed[b]);
+            if moved_further(listed.skin - margin, body.reach, &listed.pose, &now.pose()) {
+                moved.push((b, listed.pose.orientation.is_nan()));
+                *listed = Listed { pose: now.pose(), turn: now.turn(), skin: skin_for(margin) };
                 anew[b] = true;
-                moved.push(b);
             }
         }
         if moved.is_empty() {
             return Ok(0);
         }
-        let circle =
-            |(pose, body): (&Pose, &Body)| Circle { centre: pose.position, radius: body.bounding_radius };
-        let circles: Vec<Circle> = self.listed_at.iter().zip(&scene.bodies).map(circle).collect();
-        let mut disks = vec![Circle { centre: Vec2::zeros(), radius: 0.0 }; scene.disks.len()];
-        for (b, body) in scene.bodies.iter().enumerate().filter(|(b, _)| listed(*b)) {
-            let there = BodyKinematics::at(self.listed_at[b], Twist::default());
-            for (to, disk) in disks[body.disks.clone()].iter_mut().zip(disks_of(scene, b, &there)) {
-                *to = disk;
-            }
-        }
+        let circle = |(listed, body): (&Listed, &Body)| Circle {
+            centre: listed.pose.position,
+            radius: body.bounding_radius + listed.skin,
+        };
+        let circles: Vec<Circle> = self.listed.iter().zip(&scene.bodies).map(circle).collect();
+        let there = &self.listed[..];
+        enlarge(scene, threads, &mut self.enlarged, |b, disk| {
+            let Listed { pose, turn, skin } = &there[b];
+            Circle { centre: pose.position + *turn * disk.offset, radius: disk.radius + skin }
+        });
         let who = (0..circles.len()).filter(|&b| listed(b));
-        let grid = CellGrid::new(&circles, who, SKIN);
-        for &b in &moved {
-            grid.for_each_near(&circles[b], SKIN, |other| anew[other] |= other < b);
+        let grid = CellGrid::new(&circles, who, 0.0);
+        self.blocks.iter_mut().for_each(|block| block.joined = false);
+        for &(b, joins) in &moved {
+            self.blocks[b / BLOCK].joined |= joins;
+            grid.for_each_near(&circles[b], 0.0, |other| {
+                if other < b {
+                    anew[other] = true;
+                    self.blocks[other / BLOCK].joined |= joins;
+                }
+            });
         }
-        let (limit, disks) = (PairLimit::new(scene), &disks[..]);
+        let (limit, disks) = (PairLimit::new(scene), &self.enlarged[..]);
         threads.each(self.blocks.iter_mut().enumerate(), |(k, block)| {
-            let bodies = (k * BLOCK..((k + 1) * BLOCK).min(circles.len())).filter(|&b| listed(b));
+            let bodies = k * BLOCK..((k + 1) * BLOCK).min(circles.len());
+            if !anew[bodies.clone()].contains(&true) {
+                limit.take(block.candidates.count());
+                return;
+            }
+            let bodies = bodies.filter(|&b| listed(b));
             let bodies = bodies.map(|b| (b, if anew[b] { Listing::Anew } else { Listing::Kept }));
             list(scene, disks, &grid, &circles, bodies, &mut block.candidates, &limit);
         });
         for b in (0..circles.len()).filter(|&b| !listed(b)) {
-            self.listed_at[b] = UNLISTED;
+            self.listed[b] = Listed::nowhere();
         }
         limit.check(scene, &grid, &circles).inspect_err(|_| self.forget_candidates())?;
         Ok(moved.len() as u64)
     }
 
-    /// Makes the lists of near pairs from the candidates.
-    pub fn renew(&mut self, scene: &Scene, threads: &Threads) {
+    /// Makes the lists of near pairs from the candidates: of all blocks, or of those that [`Blocks::list`] gave
+    /// pairs of bodies that joined.
+    pub fn renew(&mut self, scene: &Scene, threads: &Threads, which: Renewed) {
         let (kinematics, margins, evaluation) = (&self.kinematics[..], &self.margins[..], self.evaluation);
-        threads.each(self.blocks.iter_mut(), |block| {
+        enlarge(scene, threads, &mut self.enlarged, |b, disk| Circle {
+            centre: kinematics[b].centre(disk.offset),
+            radius: disk.radius + margins[b],
+        });
+        let (blocks, enlarged) = (self.blocks.iter_mut(), &self.enlarged[..]);
+        threads.each(blocks.filter(|block| which == Renewed::All || block.joined), |block| {
             let Block { candidates, pairs, work, .. } = block;
-            work.candidates += (candidates.disks.len() + candidates.faces.len()) as u64;
-            pairs.renew(scene, kinematics, candidates, margins, evaluation);
+            work.candidates += candidates.count() as u64;
+            pairs.renew(scene, enlarged, candidates, evaluation);
         });
     }
 
@@ -377,6 +423,35 @@ impl Block {
             by_walls[of_body[0].body.index() - start] += squeeze * duration;
         }
     }
+}
+
+/// Makes circles of the disks of all bodies.
+fn enlarge(
+    scene: &Scene,
+    threads: &Threads,
+    circles: &mut [Circle],
+    circle: impl Fn(usize, &ContactDisk) -> Circle + Send + Sync,
+) {
+    let of_blocks =
+        scene.bodies.chunks(BLOCK).map(|bodies| bodies[0].disks.start..bodies[bodies.len() - 1].disks.end);
+    threads.each(split(circles, of_blocks), |(disks, circles)| {
+        for (to, disk) in circles.iter_mut().zip(&scene.disks[disks]) {
+            *to = circle(disk.body.index(), disk);
+        }
+    });
+}
+
+/// Splits a slice into ranges that follow each other.
+fn split<T>(
+    all: &mut [T],
+    ranges: impl Iterator<Item = Range<usize>>,
+) -> impl Iterator<Item = (Range<usize>, &mut [T])> {
+    let mut rest = all;
+    ranges.map(move |range| {
+        let (part, others) = std::mem::take(&mut rest).split_at_mut(range.len());
+        rest = others;
+        (range, part)
+    })
 }
 
 /// Adds the forces and impulses on walls at this instant, which counts for a `duration` \[s\], to the sums of their faces or

@@ -7,10 +7,15 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
-/// \[m\] Pairs that were nearer than this when their bodies were listed are candidates. Each body has a margin
-/// ([`near_margin`]); it is listed anew when it has moved by half of this less its margin. A larger skin means longer
-/// lists that hold longer. The motion does not depend on it.
-pub(super) const SKIN: f64 = 0.06;
+/// \[m\] The skin of a body that does not move fast. Pairs that were nearer than the sum of their skins when the bodies were
+/// listed are candidates. Each body has a margin ([`near_margin`]), which is less than its skin; it is listed anew when
+/// it has moved by the difference. A larger skin means longer lists that hold longer. The motion does not depend on it.
+const SKIN: f64 = 0.03;
+
+/// Returns the skin \[m\] of a body that has some margin \[m\].
+pub(super) fn skin_for(margin: f64) -> f64 {
+    SKIN.max(2.0 * margin)
+}
 
 /// \[m\] Active bodies nearer than this to one that is free make it active: see [`Watch`].
 pub(super) const AWAKE: f64 = 0.02;
@@ -58,18 +63,21 @@ impl Watch {
 /// of all others.
 pub(super) fn near_margin(movement: f64, mean_movement: f64, steps: f64) -> f64 {
     /// \[m\] What a body at rest has, because it may begin to move; and the largest value.
-    const RANGE: [f64; 2] = [0.00025, 0.02];
+    const RANGE: [f64; 2] = [0.00025, 0.06];
     let margin = RANGE[0] + steps * (1.1 * movement + 0.4 * mean_movement);
     // Also if the movement is not a number.
     if margin < RANGE[1] { margin } else { RANGE[1] }
 }
 
-/// Returns for how many steps a list of near pairs should last, if bodies move by this distance \[m\] in a step. It costs
-/// some 80 ns per agent to make it; checking the pairs of one more millimetre costs some 0.9 ns per agent in each step.
-/// So the best number is inversely proportional to the root of the distance. The factor was found by trial: 0.15 and
-/// 0.4 need more instructions in short steps.
-pub(super) fn steps_of_near_pairs(mean_movement: f64) -> f64 {
-    (0.21 / mean_movement.sqrt()).max(1.0)
+/// Returns for how many steps a list of near pairs should last, if bodies move by this distance \[m\] in a step and some
+/// steps are left. It costs some 80 ns per agent to make it; checking the pairs of one more millimetre costs some 0.9 ns
+/// per agent in each step. So the best number is inversely proportional to the root of the distance. The factor was
+/// found by trial: 0.15 and 0.4 need more instructions in short steps. Lists share the steps that are left.
+pub(super) fn steps_of_near_pairs(mean_movement: f64, left: f64) -> f64 {
+    let best = (0.21 / mean_movement.sqrt()).max(1.0);
+    // Also if the movement is not a number.
+    let lists = libm::round(left / best).max(1.0);
+    left / lists
 }
 
 /// Whether a disk may have moved further than a distance \[m\]; `reach` \[m\] is the distance of the furthest disk from
@@ -104,18 +112,20 @@ impl CellGrid {
     /// Makes a grid of some circles, to find those nearer than a margin \[m\].
     pub fn new(circles: &[Circle], who: impl Iterator<Item = usize> + Clone, margin: f64) -> CellGrid {
         let largest = who.clone().map(|k| circles[k].radius).fold(0.0, f64::max);
-        CellGrid::near(largest, circles, who, margin)
+        CellGrid::near(largest, circles, who, margin, 1)
     }
 
-    /// Makes the same for circles up to a radius \[m\] that look for those in the grid, which are no larger.
+    /// Makes the same for circles up to a radius \[m\] that look for those in the grid, which are no larger. If most of
+    /// them find nothing, more entries per member save checks.
     pub fn near(
         largest: f64,
         circles: &[Circle],
         who: impl Iterator<Item = usize> + Clone,
         margin: f64,
+        entries_per_member: usize,
     ) -> CellGrid {
         // With fewer entries the three rows around a cell might share some.
-        let places = who.clone().count().next_power_of_two().max(64);
+        let places = (entries_per_member * who.clone().count()).next_power_of_two().max(64);
         let mut grid = CellGrid {
             cells_per_length: 1.0 / (2.0 * largest + margin),
             mask: places as u64 - 1,
@@ -166,13 +176,22 @@ impl CellGrid {
         let (row, column) = (self.cell(circle.centre.y), self.cell(circle.centre.x));
         for row in [row.wrapping_sub(1), row, row.wrapping_add(1)] {
             let first = self.place(row, column.wrapping_sub(1));
-            for place in [first, (first + 1) & self.mask, (first + 2) & self.mask] {
-                let (from, to) = (self.starts[place as usize], self.starts[place as usize + 1]);
-                for (other, at) in &self.members[from as usize..to as usize] {
-                    if circle.nears(at, margin) {
-                        visit(*other as usize);
-                    }
-                }
+            // The entries of three cells of a row follow each other, unless they wrap round.
+            let end = (first + 3).min(self.mask + 1);
+            self.visit(first, end, circle, margin, &mut visit);
+            if first + 3 > end {
+                self.visit(0, first + 3 - end, circle, margin, &mut visit);
+            }
+        }
+    }
+
+    /// Calls `visit` for those of some entries.
+    #[inline(always)]
+    fn visit(&self, first: u64, end: u64, circle: &Circle, margin: f64, visit: &mut impl FnMut(usize)) {
+        let (from, to) = (self.starts[first as usize], self.starts[end as usize]);
+        for (other, at) in &self.members[from as usize..to as usize] {
+            if circle.nears(at, margin) {
+                visit(*other as usize);
             }
         }
     }
@@ -187,7 +206,7 @@ const MOST_PAIRS_PER_DISK: usize = 32;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error(
     "too many bodies are at the same place: {others} others and {faces} faces of walls are within {} mm of it, and in \
-     all more than {most} pairs are near each other, which is the limit; are positions missing?", 1e3 * SKIN
+     all more than {most} pairs are near each other, which is the limit; are positions missing?", 2e3 * SKIN
 )]
 pub struct Crowded {
     /// A body in the middle of them.
@@ -214,7 +233,7 @@ impl PairLimit {
 
     /// Reserves space for some pairs; returns whether there was enough. Whether it is enough for all does not depend on
     /// the order of the calls.
-    fn take(&self, pairs: usize) -> bool {
+    pub fn take(&self, pairs: usize) -> bool {
         self.taken.fetch_add(pairs, Ordering::Relaxed).saturating_add(pairs) <= self.most
     }
 
@@ -227,11 +246,10 @@ impl PairLimit {
         let (mut looks, mut found) = (0, Vec::new());
         for (b, circle) in circles.iter().enumerate() {
             let mut near: usize = 0;
-            grid.for_each_near(circle, SKIN, |_| near += 1);
+            grid.for_each_near(circle, 0.0, |_| near += 1);
             let others = near.saturating_sub(1); // itself
-            let near_faces = scene.face_grid.candidates(circle, SKIN, &mut found);
-            let faces =
-                near_faces.iter().filter(|face| circle.nears_face(&scene.faces, **face, SKIN)).count();
+            let near_faces = scene.face_grid.candidates(circle, 0.0, &mut found);
+            let faces = near_faces.iter().filter(|face| circle.nears_face(&scene.faces, **face, 0.0)).count();
             if others + faces > crowded.others + crowded.faces {
                 crowded = Crowded { body: BodyId::from(b), others, faces, ..crowded };
             }
@@ -260,9 +278,9 @@ pub(super) enum Listing {
     Kept,
 }
 
-/// Lists every pair of a disk of some bodies, ascending, with a disk of a later body or a face nearer than the skin, as
+/// Lists every pair of a disk of some bodies, ascending, with a disk of a later body or a face nearer than their skins, as
 /// long as there is space. The circles of all bodies are in the grid; `disks` are those of all listed bodies, each at
-/// its place. Bodies that need not be listed anew keep the pairs of `old`.
+/// its place; both are larger by the skin. Bodies that need not be listed anew keep the pairs of `old`.
 pub(super) fn list(
     scene: &Scene,
     disks: &[Circle],
@@ -316,36 +334,36 @@ fn list_those<I: Iterator<Item = Range<usize>>>(
             continue;
         }
         later.clear();
-        grid.for_each_near(&circles[a], SKIN, |b| {
+        grid.for_each_near(&circles[a], 0.0, |b| {
             if b > a {
                 later.push(b);
             }
         });
         later.sort_unstable();
         faces.clear();
-        let near = scene.face_grid.candidates(&circles[a], SKIN, &mut found).iter().copied();
-        faces.extend(near.filter(|face| circles[a].nears_face(&scene.faces, *face, SKIN)));
+        let near = scene.face_grid.candidates(&circles[a], 0.0, &mut found).iter().copied();
+        faces.extend(near.filter(|face| circles[a].nears_face(&scene.faces, *face, 0.0)));
         if later.is_empty() && faces.is_empty() {
             continue;
         }
         for i in scene.bodies[a].disks.clone() {
             let before = candidates.disks.len() + candidates.faces.len();
             let own = disks[i];
-            for &b in later.iter().filter(|&&b| own.nears(&circles[b], SKIN)) {
+            for &b in later.iter().filter(|&&b| own.nears(&circles[b], 0.0)) {
                 for range in beside(i, b) {
                     for start in range.clone().step_by(AT_ONCE) {
                         // No branches: processors cannot predict which disks are near.
                         let (mut near, mut count) = ([DiskId(0); AT_ONCE], 0);
                         for (j, other) in disks[start..range.end.min(start + AT_ONCE)].iter().enumerate() {
                             near[count % AT_ONCE] = DiskId::from(start + j);
-                            count += usize::from(own.nears(other, SKIN));
+                            count += usize::from(own.nears(other, 0.0));
                         }
                         candidates.disks.extend(near[..count].iter().map(|&j| (DiskId::from(i), j)));
                     }
                 }
             }
             let near =
-                faces.iter().filter(|face| meets(i, **face) && own.nears_face(&scene.faces, **face, SKIN));
+                faces.iter().filter(|face| meets(i, **face) && own.nears_face(&scene.faces, **face, 0.0));
             candidates.faces.extend(near.map(|&face| (DiskId::from(i), face)));
             let added = candidates.disks.len() + candidates.faces.len() - before;
             if added > 0 && !limit.take(added) {

@@ -6,7 +6,7 @@
 //! positions and *predicted* velocities of the same instant (Vyas, Ottino, Lueptow, Umbanhowar, Comput. Phys. Commun.
 //! 310 (2025) 109524). This keeps second order for forces that depend on velocity.
 
-use super::blocks::{BLOCK, Blocks, Bodies};
+use super::blocks::{BLOCK, Blocks, Bodies, Renewed};
 use super::broad_phase::{AWAKE, CellGrid, Crowded, Watch, moved_further, near_margin, steps_of_near_pairs};
 use super::circle::Circle;
 use super::contacts::{SpringUpdate, Step, greater};
@@ -99,7 +99,34 @@ impl<D: Course> Mover<D> {
     fn acceleration(&self, wrench: &Wrench) -> Wrench {
         Wrench { force: wrench.force * self.inverse_mass, torque: wrench.torque * self.inverse_inertia }
     }
+
+    /// Returns how far \[m\] a disk may move in a step \[s\] at a twist.
+    fn movement(&self, twist: &Twist, dt: f64) -> f64 {
+        dt * (twist.velocity.norm() + self.reach * twist.angular_velocity.abs())
+    }
+
+    /// Chooses the margin \[m\] of its near pairs.
+    fn choose_margin(&mut self, twist: &Twist, expected: &Expected) -> f64 {
+        let margin = near_margin(self.movement(twist, expected.dt), expected.mean, expected.steps);
+        self.per_squared_margin = 1.0 / (margin * margin);
+        self.reach_per_margin = self.reach / margin;
+        margin
+    }
 }
+
+/// What was expected when margins of near pairs were chosen.
+#[derive(Debug, Default)]
+pub(super) struct Expected {
+    /// \[s\] The mechanical step.
+    dt: f64,
+    /// \[m\] Mean of what disks move in it.
+    mean: f64,
+    /// For how many of them a list lasts.
+    steps: f64,
+}
+
+/// Entries of the grid of free bodies for each of them: most active ones have none near.
+const ENTRIES: usize = 8;
 
 /// A communication step in progress.
 pub(super) struct CommunicationStep<'a, D: Course> {
@@ -121,6 +148,8 @@ pub(super) struct CommunicationStep<'a, D: Course> {
     pub across: Vec<Option<AcrossFlight>>,
     /// \[1\] Part of the margins by which bodies may move before the list of near pairs is made again.
     pub leeway: f64,
+    /// What these margins are for.
+    pub expected: Expected,
     /// When it is looked for free bodies again.
     pub watch: Watch,
     /// The poses when it was last looked for free bodies near active ones; empty if nobody is free.
@@ -138,8 +167,11 @@ impl<D: Course> CommunicationStep<'_, D> {
             for step in 1..=steps {
                 let moved = self.step(step);
                 // A pose that is not a number is ignored here: the communication step then ends with an error.
-                if self.wakes(step, moved) || self.leeway <= 0.0 {
+                let woken = self.wakes(step, moved);
+                if self.leeway <= 0.0 {
                     self.renew_lists(step, steps)?;
+                } else if !woken.is_empty() {
+                    self.list_woken(&woken)?;
                 }
             }
             self.correct();
@@ -228,12 +260,28 @@ impl<D: Course> CommunicationStep<'_, D> {
     /// Makes the lists valid after some steps: the near pairs and, if necessary, the candidates.
     fn renew_lists(&mut self, step: u64, steps: u64) -> Result<(), Crowded> {
         self.choose_margins((steps - step) as f64);
-        let activity = &self.shortlist.activity;
-        self.work.listed +=
-            self.blocks.list(self.scene, self.threads, |b| activity[b] == Activity::Active)?;
-        self.work.refreshes += 1;
-        self.blocks.renew(self.scene, self.threads);
+        self.list(Renewed::All)?;
         self.leeway = 1.0;
+        Ok(())
+    }
+
+    /// Adds the pairs of bodies that have become active to valid lists.
+    fn list_woken(&mut self, woken: &[usize]) -> Result<(), Crowded> {
+        for &b in woken {
+            let list = &mut self.movers[b / BLOCK].list;
+            let mover = list.iter_mut().find(|mover| mover.body.index() == b);
+            let mover = mover.expect("it has just become active");
+            self.blocks.margins[b] = mover.choose_margin(&self.blocks.kinematics[b].twist, &self.expected);
+        }
+        self.list(Renewed::Joined)
+    }
+
+    fn list(&mut self, which: Renewed) -> Result<(), Crowded> {
+        let activity = &self.shortlist.activity;
+        let listed = |b| activity[b] == Activity::Active;
+        self.work.listed += self.blocks.list(self.scene, self.threads, listed)?;
+        self.work.refreshes += u64::from(which == Renewed::All);
+        self.blocks.renew(self.scene, self.threads, which);
         Ok(())
     }
 
@@ -241,80 +289,90 @@ impl<D: Course> CommunicationStep<'_, D> {
     fn choose_margins(&mut self, left: f64) {
         let Blocks { kinematics, margins, .. } = &mut *self.blocks;
         let dt = self.mechanical.dt;
-        let movement = |mover: &Mover<D>| {
-            let twist = kinematics[mover.body.index()].twist;
-            dt * (twist.velocity.norm() + mover.reach * twist.angular_velocity.abs())
-        };
         let count = all(&self.movers).count().max(1) as f64;
+        let movement = |mover: &Mover<D>| mover.movement(&kinematics[mover.body.index()].twist, dt);
         let mean = all(&self.movers).map(movement).sum::<f64>() / count;
-        let steps = steps_of_near_pairs(mean).min(left.max(1.0));
+        self.expected = Expected { dt, mean, steps: steps_of_near_pairs(mean, left.max(1.0)) };
         // Pairs of others are never near: a longer list would change the order of impulses, and so last digits.
         margins.fill(f64::NAN);
         for mover in self.movers.iter_mut().flat_map(|of_block| &mut of_block.list) {
-            let margin = near_margin(movement(mover), mean, steps);
-            margins[mover.body.index()] = margin;
-            mover.per_squared_margin = 1.0 / (margin * margin);
-            mover.reach_per_margin = mover.reach / margin;
+            let b = mover.body.index();
+            margins[b] = mover.choose_margin(&kinematics[b].twist, &self.expected);
         }
     }
 
     /// Looks for free bodies, if it is time, after a step in which disks have moved by a distance \[m\] at most. Returns
-    /// whether some became active.
-    fn wakes(&mut self, step: u64, moved: f64) -> bool {
+    /// those that became active.
+    fn wakes(&mut self, step: u64, moved: f64) -> Vec<usize> {
         if self.awoken_at.is_empty() || !self.watch.is_over(moved) {
-            return false;
+            return Vec::new();
         }
         let most = self.watch.begin(step);
         let has_moved = |mover: &Mover<D>| {
             let b = mover.body.index();
             moved_further(most, mover.reach, &self.awoken_at[b], &self.blocks.kinematics[b].pose())
         };
-        all(&self.movers).any(has_moved) && self.awake(step)
+        if all(&self.movers).any(has_moved) { self.awake(step) } else { Vec::new() }
     }
 
-    /// Makes free bodies near active ones active, then those near these, and so on. Returns whether there were some.
-    fn awake(&mut self, step: u64) -> bool {
+    /// Makes free bodies near active ones active, then those near these, and so on. Returns which.
+    fn awake(&mut self, step: u64) -> Vec<usize> {
         let is_free = |activity: &Activity| *activity == Activity::Free;
         let free: Vec<usize> =
             (0..self.scene.bodies.len()).filter(|&b| is_free(&self.shortlist.activity[b])).collect();
-        let mut waiting: Vec<usize> = all(&self.movers).map(|mover| mover.body.index()).collect();
-        let mut found = false;
-        let largest = self.scene.bodies.iter().map(|body| body.bounding_radius);
-        let largest = free.iter().map(|&b| self.shortlist.swept[b].radius).chain(largest).fold(0.0, f64::max);
-        let grid = CellGrid::near(largest, &self.shortlist.swept, free.iter().copied(), AWAKE);
-        if free.is_empty() {
-            waiting.clear();
-        }
-        let mut near = Vec::new();
-        while let Some(active) = waiting.pop() {
-            near.clear();
-            grid.for_each_near(&self.circle_now(active), AWAKE, |b| {
-                if self.shortlist.activity[b] == Activity::Free {
-                    near.push(b);
-                }
+        let mut woken = Vec::new();
+        if !free.is_empty() {
+            let largest = self.scene.bodies.iter().map(|body| body.bounding_radius);
+            let swept = free.iter().map(|&b| self.shortlist.swept[b].radius);
+            let largest = swept.chain(largest).fold(0.0, f64::max);
+            let who = free.iter().copied();
+            let grid = CellGrid::near(largest, &self.shortlist.swept, who, AWAKE, ENTRIES);
+            let mut near = vec![Vec::new(); self.movers.len()];
+            let each = self.movers.iter().zip(&mut near);
+            self.threads.each(each, |(movers, near)| {
+                movers.list.iter().for_each(|mover| self.find_free(&grid, mover.body.index(), near));
             });
-            if near.is_empty() {
-                continue;
+            let mut near = near.concat();
+            while let Some(b) = near.pop() {
+                // Several may have found it.
+                if is_free(&self.shortlist.activity[b]) {
+                    self.take_in(b, step);
+                    woken.push(b);
+                    self.find_free(&grid, b, &mut near);
+                }
             }
-            let disks: Vec<Circle> = disks_of(self.scene, active, &self.blocks.kinematics[active]).collect();
-            near.retain(|&b| self.shortlist.nears(self.scene, &disks, b, AWAKE));
-            near.iter().for_each(|&b| self.take_in(b, step));
-            found |= !near.is_empty();
-            waiting.append(&mut near);
         }
         self.awoken_at.clear();
-        if self.shortlist.activity.iter().any(is_free) {
+        if woken.len() < free.len() {
             self.awoken_at.extend(self.blocks.kinematics.iter().map(|body| body.pose()));
         } else {
             // They take many bytes per agent.
             self.shortlist.forget_circles();
         }
-        found
+        woken
     }
 
-    fn circle_now(&self, b: usize) -> Circle {
-        let centre = self.blocks.kinematics[b].pose().position;
-        Circle { centre, radius: self.scene.bodies[b].bounding_radius }
+    /// Finds the free bodies near an active one.
+    fn find_free(&self, free: &CellGrid, active: usize, found: &mut Vec<usize>) {
+        let (now, before) = (&self.blocks.kinematics[active], found.len());
+        let circle = Circle { centre: now.position, radius: self.scene.bodies[active].bounding_radius };
+        free.for_each_near(&circle, AWAKE, |b| {
+            if self.shortlist.activity[b] == Activity::Free {
+                found.push(b);
+            }
+        });
+        if found.len() == before {
+            return;
+        }
+        let disks: Vec<Circle> = disks_of(self.scene, active, now).collect();
+        let mut kept = before;
+        for k in before..found.len() {
+            if self.shortlist.nears(self.scene, &disks, found[k], AWAKE) {
+                found[kept] = found[k];
+                kept += 1;
+            }
+        }
+        found.truncate(kept);
     }
 
     /// Makes a free body active, at the pose of the closed form at this instant.

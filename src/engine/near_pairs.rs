@@ -3,7 +3,7 @@
 use super::body_kinematics::BodyKinematics;
 use super::circle::Circle;
 use super::contact_law::SpringHistory;
-use super::{BodyId, ContactDisk, DiskId, DiskSpring, FaceId, FacePart, FaceSpring, Scene, State, Vec2};
+use super::{BodyId, DiskId, DiskSpring, FaceId, FacePart, FaceSpring, Scene, State, Vec2};
 use std::iter::Peekable;
 use std::slice::Iter;
 
@@ -93,6 +93,12 @@ pub(super) struct Candidates {
     pub faces: Vec<(DiskId, FaceId)>,
 }
 
+impl Candidates {
+    pub fn count(&self) -> usize {
+        self.disks.len() + self.faces.len()
+    }
+}
+
 /// Near pairs, ascending, each with its spring.
 ///
 /// The order makes sums independent of the time when the list was made: touching pairs are in the same order whatever
@@ -137,25 +143,14 @@ struct OldPairs {
 }
 
 impl NearPairs {
-    /// Replaces the near pairs by the candidates nearer than the margins \[m\] of their bodies, after an evaluation. Pairs
-    /// that remain keep their springs; candidates that touched in this evaluation remain.
-    pub fn renew(
-        &mut self,
-        scene: &Scene,
-        kinematics: &[BodyKinematics],
-        candidates: &Candidates,
-        margins: &[f64],
-        evaluation: u32,
-    ) {
+    /// Replaces the near pairs by the candidates that meet after an evaluation if each disk is larger by the margin of its
+    /// body. Pairs that remain keep their springs; candidates that touched in this evaluation remain.
+    pub fn renew(&mut self, scene: &Scene, enlarged: &[Circle], candidates: &Candidates, evaluation: u32) {
         self.put_aside(evaluation);
         let mut old = self.old.disks.iter().peekable();
         for &(first, second) in &candidates.disks {
-            let (a, b) = (&scene.disks[first.index()], &scene.disks[second.index()]);
-            let reach = a.radius + b.radius + (margins[a.body.index()] + margins[b.body.index()]);
-            let between =
-                kinematics[a.body.index()].centre(a.offset) - kinematics[b.body.index()].centre(b.offset);
             let spring = kept(&mut old, (first, second));
-            if between.norm_squared() <= reach * reach || spring.is_some() {
+            if enlarged[first.index()].nears(&enlarged[second.index()], 0.0) || spring.is_some() {
                 push_disks(&mut self.disks, &mut self.disk_details, scene, first, second);
                 mark(&mut self.touching, self.disk_springs.len(), spring.is_some());
                 self.disk_springs.push(spring.unwrap_or(Spring::RELAXED));
@@ -163,14 +158,15 @@ impl NearPairs {
         }
         let mut old = self.old.faces.iter().peekable();
         for &(disk, face) in &candidates.faces {
-            let ContactDisk { body, offset, radius, .. } = scene.disks[disk.index()];
-            let circle = Circle { centre: kinematics[body.index()].centre(offset), radius };
             let spring = kept(&mut old, (disk, face));
-            if circle.nears_face(&scene.faces, face, margins[body.index()]) || spring.is_some() {
+            if enlarged[disk.index()].nears_face(&scene.faces, face, 0.0) || spring.is_some() {
                 self.face_springs.push(spring.unwrap_or(Spring::RELAXED));
                 self.faces.push(FacePair { disk, face });
             }
         }
+        give_back(&mut self.disks);
+        give_back(&mut self.disk_details);
+        give_back(&mut self.disk_springs);
     }
 
     /// Whether the bits are those of the springs that touched in an evaluation.
@@ -230,6 +226,14 @@ impl NearPairs {
             let elongation = spring.history.elongation;
             FaceSpring { disk: pair.disk, face: pair.face, part: spring.part, elongation }
         }));
+    }
+}
+
+/// Gives memory back that a longer list needed, or that it took when it grew to twice its size.
+fn give_back<T>(list: &mut Vec<T>) {
+    let count = list.len();
+    if list.capacity() > count + count / 2 {
+        list.shrink_to(count + count / 4);
     }
 }
 

@@ -6,11 +6,12 @@
 //! one comes nearer than 20 mm (`AWAKE`) to a circle of a free body, the free body moves by mechanical steps too, from its
 //! closed-form pose at that instant. So a push that travels through a row within one step is not missed.
 
+use super::blocks::BLOCK;
 use super::body_kinematics::BodyKinematics;
 use super::broad_phase::{CellGrid, nears_a_face};
 use super::circle::Circle;
 use super::free_flight::Course;
-use super::{FaceId, Pose, Scene, State};
+use super::{FaceId, Pose, Scene, State, Threads};
 
 /// A body whose half path is longer than this many times the largest body's radius is not free: its circle would make
 /// the grid's cells too large.
@@ -58,6 +59,7 @@ impl Shortlist {
         drives: &[D],
         duration: f64,
         shortlisting: Shortlisting,
+        threads: &Threads,
     ) -> Shortlist {
         let mut shortlist = Shortlist::swept(scene, state, drives, duration);
         let Shortlist { activity, swept, .. } = &mut shortlist;
@@ -75,24 +77,22 @@ impl Shortlist {
                 (true, _) => Activity::Active,
             }
         }));
-        let short: Vec<usize> = (0..swept.len()).filter(|&b| activity[b] == Activity::Free).collect();
-        let grid = CellGrid::new(swept, short.iter().copied(), CLEAR);
-        let (mut near, mut found) = (Vec::new(), Vec::new());
-        for b in short {
-            near.clear();
-            grid.for_each_near(&shortlist.swept[b], CLEAR, |other| near.push(other));
-            for &other in near.iter().filter(|&&other| other > b) {
-                let active = |body: usize| shortlist.activity[body] == Activity::Active;
+        let is_short: Vec<bool> = activity.iter().map(|activity| *activity == Activity::Free).collect();
+        let grid = CellGrid::new(swept, (0..swept.len()).filter(|&b| is_short[b]), CLEAR);
+        let mut activity = std::mem::take(activity);
+        threads.each(activity.chunks_mut(BLOCK).enumerate(), |(k, activity)| {
+            let (mut near, mut found) = (Vec::new(), Vec::new());
+            for (b, activity) in (k * BLOCK..).zip(activity).filter(|(b, _)| is_short[*b]) {
+                near.clear();
+                grid.for_each_near(&shortlist.swept[b], CLEAR, |other| near.push(other));
                 let disks = &shortlist.swept_disks[scene.bodies[b].disks.clone()];
-                if !(active(b) && active(other)) && shortlist.nears(scene, disks, other, CLEAR) {
-                    shortlist.activity[b] = Activity::Active;
-                    shortlist.activity[other] = Activity::Active;
+                let meets = |other: &usize| *other != b && shortlist.nears(scene, disks, *other, CLEAR);
+                if near.iter().any(meets) || shortlist.nears_a_face(scene, b, &mut found) {
+                    *activity = Activity::Active;
                 }
             }
-            if shortlist.activity[b] == Activity::Free && shortlist.nears_a_face(scene, b, &mut found) {
-                shortlist.activity[b] = Activity::Active;
-            }
-        }
+        });
+        shortlist.activity = activity;
         shortlist
     }
 
@@ -181,7 +181,16 @@ mod tests {
     fn outside<D: Course>(scene: &Scene, velocity: Vec2, drive: D, duration: f64) -> f64 {
         let (pose, twist) = (Pose::default(), Twist { velocity, angular_velocity: 0.0 });
         let state = State::new(vec![pose], vec![twist]);
-        let circle = Shortlist::decide(scene, &state, &[true], &[drive], duration, Shortlisting::On).swept[0];
+        let circle = Shortlist::decide(
+            scene,
+            &state,
+            &[true],
+            &[drive],
+            duration,
+            Shortlisting::On,
+            &Threads::default(),
+        )
+        .swept[0];
         let body = &scene.bodies[0];
         (0..=200)
             .map(|k| {

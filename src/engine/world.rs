@@ -1,12 +1,12 @@
 //! The world owns scene, drive and state, and advances them in time.
 
-use super::blocks::Blocks;
+use super::blocks::{Blocks, Renewed};
 use super::broad_phase::{Crowded, Watch};
 use super::compression::compressions;
 use super::contacts::{SpringUpdate, Step};
 use super::face::nearest_on_face;
 use super::free_flight::Course;
-use super::mechanical_step::{CommunicationStep, held_drives, ramps};
+use super::mechanical_step::{CommunicationStep, Expected, held_drives, ramps};
 use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
 use super::slope::OnSlopes;
@@ -408,7 +408,7 @@ impl World {
         blocks.forget_candidates();
         blocks.margins.fill(0.0);
         blocks.list(scene, &alone, |b| present[b])?;
-        blocks.renew(scene, &alone);
+        blocks.renew(scene, &alone, Renewed::All);
         // Finds which pairs touch and how deeply; the forces are not used.
         blocks.evaluate(scene, &alone, SpringUpdate::Hold, 0.0, |_, bodies| {
             bodies
@@ -500,10 +500,23 @@ impl World {
 
     /// Computes the state after a communication step under drives of one kind.
     fn moved<D: Course>(&mut self, drives: &[D], duration: f64, steps: u64) -> Result<State, Crowded> {
-        let shortlist =
-            Shortlist::decide(&self.scene, &self.state, &self.present, drives, duration, self.shortlisting);
-        let active = shortlist.activity.iter().filter(|activity| **activity == Activity::Active).count();
         let alone = Threads::default();
+        let there = self.present.iter().filter(|there| **there).count();
+        let threads =
+            if there + 2 * self.contacts.contacts.len() >= self.share_from { &self.threads } else { &alone };
+        let decide = || {
+            Shortlist::decide(
+                &self.scene,
+                &self.state,
+                &self.present,
+                drives,
+                duration,
+                self.shortlisting,
+                threads,
+            )
+        };
+        let shortlist = threads.enter(decide);
+        let active = shortlist.activity.iter().filter(|activity| **activity == Activity::Active).count();
         let work = active + 2 * self.contacts.contacts.len();
         let threads = if work >= self.share_from { &self.threads } else { &alone };
         self.shared += u64::from(threads.count() > 1);
@@ -520,6 +533,7 @@ impl World {
             flights: Vec::new(),
             across: Vec::new(),
             leeway: 0.0,
+            expected: Expected::default(),
             watch: Watch::new(),
             awoken_at: Vec::new(),
         };
