@@ -41,7 +41,7 @@ impl Listed {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Block {
     candidates: Candidates,
-    /// Whether bodies that joined the listed ones the last time have pairs in it.
+    /// Whether bodies that were not listed before the last time may have near pairs in it.
     joined: bool,
     pairs: NearPairs,
     /// Scratch space.
@@ -69,7 +69,7 @@ pub(super) struct Block {
 pub(super) enum Renewed {
     /// All of them.
     All,
-    /// Those with pairs of bodies that joined.
+    /// Those in which bodies that joined may have near pairs.
     Joined,
 }
 
@@ -201,7 +201,12 @@ impl Blocks {
     ) -> Result<u64, Crowded> {
         let mut anew = vec![false; scene.bodies.len()];
         let mut moved = Vec::new();
-        for (b, body) in scene.bodies.iter().enumerate().filter(|(b, _)| listed(*b)) {
+        self.blocks.iter_mut().for_each(|block| block.joined = false);
+        for (b, body) in scene.bodies.iter().enumerate() {
+            if !listed(b) {
+                self.listed[b] = Listed::nowhere();
+                continue;
+            }
             let (now, margin, listed) = (&self.kinematics[b], self.margins[b], &mut self.listed[b]);
             if moved_further(listed.skin - margin, body.reach, &listed.pose, &now.pose()) {
                 moved.push((b, listed.pose.orientation.is_nan()));
@@ -224,13 +229,17 @@ impl Blocks {
         });
         let who = (0..circles.len()).filter(|&b| listed(b));
         let grid = CellGrid::new(&circles, who, 0.0);
-        self.blocks.iter_mut().for_each(|block| block.joined = false);
+        let now = |b: usize| Circle {
+            centre: self.kinematics[b].position,
+            radius: scene.bodies[b].bounding_radius + self.margins[b],
+        };
         for &(b, joins) in &moved {
             self.blocks[b / BLOCK].joined |= joins;
             grid.for_each_near(&circles[b], 0.0, |other| {
                 if other < b {
                     anew[other] = true;
-                    self.blocks[other / BLOCK].joined |= joins;
+                    // By where they are now: where they were listed depends on what was before.
+                    self.blocks[other / BLOCK].joined |= joins && now(other).nears(&now(b), 0.0);
                 }
             });
         }
@@ -238,6 +247,7 @@ impl Blocks {
         threads.each(self.blocks.iter_mut().enumerate(), |(k, block)| {
             let bodies = k * BLOCK..((k + 1) * BLOCK).min(circles.len());
             if !anew[bodies.clone()].contains(&true) {
+                // Also those of bodies that have left: they are never near.
                 limit.take(block.candidates.count());
                 return;
             }
@@ -245,15 +255,12 @@ impl Blocks {
             let bodies = bodies.map(|b| (b, if anew[b] { Listing::Anew } else { Listing::Kept }));
             list(scene, disks, &grid, &circles, bodies, &mut block.candidates, &limit);
         });
-        for b in (0..circles.len()).filter(|&b| !listed(b)) {
-            self.listed[b] = Listed::nowhere();
-        }
         limit.check(scene, &grid, &circles).inspect_err(|_| self.forget_candidates())?;
         Ok(moved.len() as u64)
     }
 
-    /// Makes the lists of near pairs from the candidates: of all blocks, or of those that [`Blocks::list`] gave
-    /// pairs of bodies that joined.
+    /// Makes the lists of near pairs from the candidates: of all blocks, or of those in which bodies that
+    /// [`Blocks::list`] did not list before may have some.
     pub fn renew(&mut self, scene: &Scene, threads: &Threads, which: Renewed) {
         let (kinematics, margins, evaluation) = (&self.kinematics[..], &self.margins[..], self.evaluation);
         enlarge(scene, threads, &mut self.enlarged, |b, disk| Circle {

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
 /// \[m\] The skin of a body that does not move fast. Pairs that were nearer than the sum of their skins when the bodies were
-/// listed are candidates. Each body has a margin ([`near_margin`]), which is less than its skin; it is listed anew when
+/// listed are candidates, and those of a disk and a face nearer than the one skin. Each body has a margin ([`near_margin`]), which is less than its skin; it is listed anew when
 /// it has moved by the difference. A larger skin means longer lists that hold longer. The motion does not depend on it.
 const SKIN: f64 = 0.03;
 
@@ -62,12 +62,15 @@ impl Watch {
 /// nearer than the sum of their margins are checked in every mechanical step. So those who run do not lengthen the list
 /// of all others.
 pub(super) fn near_margin(movement: f64, mean_movement: f64, steps: f64) -> f64 {
-    /// \[m\] What a body at rest has, because it may begin to move; and the largest value.
-    const RANGE: [f64; 2] = [0.00025, 0.06];
-    let margin = RANGE[0] + steps * (1.1 * movement + 0.4 * mean_movement);
-    // Also if the movement is not a number.
-    if margin < RANGE[1] { margin } else { RANGE[1] }
+    /// \[m\] What a body at rest has, because it may begin to move.
+    const LEAST: f64 = 0.00025;
+    // `min` takes the number if the movement is none.
+    (LEAST + steps * (1.1 * movement + 0.4 * mean_movement)).min(MOST_MARGIN)
 }
+
+/// \[m\] The largest margin. A body that moves further in a step counts as this in the mean: one that explodes must not
+/// lengthen the lists of all others.
+pub(super) const MOST_MARGIN: f64 = 0.06;
 
 /// Returns for how many steps a list of near pairs should last, if bodies move by this distance \[m\] in a step and some
 /// steps are left. It costs some 80 ns per agent to make it; checking the pairs of one more millimetre costs some 0.9 ns
@@ -168,7 +171,7 @@ impl CellGrid {
         self.place(self.cell(circle.centre.y), self.cell(circle.centre.x)) as u32
     }
 
-    /// Calls `meet` for every circle nearer to this one than a margin \[m\], in no particular order; also for the
+    /// Calls `visit` for every circle nearer to this one than a margin \[m\], in no particular order; also for the
     /// circle itself if it is in the grid.
     ///
     /// Neither the margin nor the circle may be larger than those for which the grid was made.
@@ -205,8 +208,8 @@ const MOST_PAIRS_PER_DISK: usize = 32;
 /// More pairs are near each other than the limit of memory allows, for example if everybody is at one point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error(
-    "too many bodies are at the same place: {others} others and {faces} faces of walls are within {} mm of it, and in \
-     all more than {most} pairs are near each other, which is the limit; are positions missing?", 2e3 * SKIN
+    "too many bodies are at the same place: {others} others and {faces} faces of walls are near it, and in all more than \
+     {most} pairs are near each other, which is the limit; are positions missing?"
 )]
 pub struct Crowded {
     /// A body in the middle of them.
@@ -278,9 +281,9 @@ pub(super) enum Listing {
     Kept,
 }
 
-/// Lists every pair of a disk of some bodies, ascending, with a disk of a later body or a face nearer than their skins, as
-/// long as there is space. The circles of all bodies are in the grid; `disks` are those of all listed bodies, each at
-/// its place; both are larger by the skin. Bodies that need not be listed anew keep the pairs of `old`.
+/// Lists every pair of a disk of some bodies, ascending, with a disk of a later body or a face that meet if they are larger
+/// by their skins, as long as there is space. So are `disks`, each at its place, and the circles of the listed bodies,
+/// which are in the grid. Bodies that need not be listed anew keep their pairs.
 pub(super) fn list(
     scene: &Scene,
     disks: &[Circle],

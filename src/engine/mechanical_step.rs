@@ -7,7 +7,9 @@
 //! 310 (2025) 109524). This keeps second order for forces that depend on velocity.
 
 use super::blocks::{BLOCK, Blocks, Bodies, Renewed};
-use super::broad_phase::{AWAKE, CellGrid, Crowded, Watch, moved_further, near_margin, steps_of_near_pairs};
+use super::broad_phase::{
+    AWAKE, CellGrid, Crowded, MOST_MARGIN, Watch, moved_further, near_margin, steps_of_near_pairs,
+};
 use super::circle::Circle;
 use super::contacts::{SpringUpdate, Step, greater};
 use super::free_flight::{AcrossFlight, Course, Ramp};
@@ -290,7 +292,8 @@ impl<D: Course> CommunicationStep<'_, D> {
         let Blocks { kinematics, margins, .. } = &mut *self.blocks;
         let dt = self.mechanical.dt;
         let count = all(&self.movers).count().max(1) as f64;
-        let movement = |mover: &Mover<D>| mover.movement(&kinematics[mover.body.index()].twist, dt);
+        let movement =
+            |mover: &Mover<D>| mover.movement(&kinematics[mover.body.index()].twist, dt).min(MOST_MARGIN);
         let mean = all(&self.movers).map(movement).sum::<f64>() / count;
         self.expected = Expected { dt, mean, steps: steps_of_near_pairs(mean, left.max(1.0)) };
         // Pairs of others are never near: a longer list would change the order of impulses, and so last digits.

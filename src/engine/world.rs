@@ -99,7 +99,8 @@ pub struct World {
     /// Whether bodies that can touch nothing are moved by the closed-form solution.
     pub shortlisting: Shortlisting,
     /// A communication step is left to one thread if, at its start, the number of bodies that move by mechanical
-    /// steps plus twice the number of contacts is less than this. Results do not depend on it.
+    /// steps plus twice the number of contacts is less than this; which bodies these are is found by one thread if
+    /// those that are there count less. Results do not depend on it.
     pub share_from: usize,
     /// Of each body, whether it is there.
     present: Vec<bool>,

@@ -87,16 +87,17 @@ fn who_is_not_there_changes_nothing_for_the_others() {
     }
 }
 
-/// Thirty bodies that fly about, so far apart \[m\].
-fn flying(spread: f64) -> World {
-    let scene = RoundBody { mass: 1.0, radius: 0.1, relaxation: 0.5, stiffness: 1e4 }.scene(30);
+/// Bodies that fly about, so far apart \[m\].
+fn flying(count: u32, spread: f64) -> World {
+    let body = RoundBody { mass: 1.0, radius: 0.1, relaxation: 0.5, stiffness: 1e4 };
+    let scene = body.scene(count as usize);
     let place = |k: u32| {
         let jitter = 0.05 * libm::sin(7.0 * f64::from(k));
         vec2(spread * f64::from(k % 6) + jitter, spread * f64::from(k / 6))
     };
-    let poses = (0..30).map(|k| Pose { position: place(k), orientation: 0.1 }).collect();
+    let poses = (0..count).map(|k| Pose { position: place(k), orientation: 0.1 }).collect();
     let speed = |k: f64| vec2(libm::sin(5.0 * k), libm::cos(3.0 * k)) * 3.0;
-    let twists = (0..30).map(|k| Twist { velocity: speed(f64::from(k)), angular_velocity: 2.0 });
+    let twists = (0..count).map(|k| Twist { velocity: speed(f64::from(k)), angular_velocity: 2.0 });
     World::new(scene, State::new(poses, twists.collect()), 1e-4).unwrap()
 }
 
@@ -104,9 +105,9 @@ fn flying(spread: f64) -> World {
 #[test]
 fn a_restored_world_gives_the_same_bits_where_free_bodies_become_active() {
     for spread in [0.3, 0.4, 0.5, 0.6, 0.8] {
-        let mut world = flying(spread);
+        let mut world = flying(30, spread);
         for step in 0..60 {
-            let mut restored = flying(spread);
+            let mut restored = flying(30, spread);
             restored.restore(world.state().clone()).unwrap();
             let drive = std::mem::replace(&mut world.drive[step % 30].force, vec2(f64::INFINITY, 0.0));
             assert!(world.advance(0.1).is_err());
@@ -118,6 +119,21 @@ fn a_restored_world_gives_the_same_bits_where_free_bodies_become_active() {
         }
         assert!(world.work().shortlisted > 0 && world.work().contacts > 0);
     }
+}
+
+/// Of several blocks.
+#[test]
+fn a_restored_world_of_many_gives_the_same_bits_too() {
+    let mut world = flying(1100, 0.6);
+    for step in 0..12 {
+        let mut restored = flying(1100, 0.6);
+        restored.restore(world.state().clone()).unwrap();
+        for world in [&mut world, &mut restored] {
+            world.advance(0.05).unwrap();
+        }
+        assert_eq!(world.state(), restored.state(), "{step}");
+    }
+    assert!(world.work().shortlisted > 0 && world.work().contacts > 0);
 }
 
 /// Two who run into a group that rests; the first wakes it while the second is on its way.
@@ -141,6 +157,33 @@ fn who_runs_into_a_group_that_another_one_woke_is_not_missed() {
         });
         for (k, (one, other)) in stepped.iter().zip(&shortlisted).enumerate() {
             assert!((one.position - other.position).norm() < 1e-7, "{lag} {k}: {one:?} {other:?}");
+        }
+    }
+}
+
+/// Many others move so slowly that lists hold for long, and their margins for longer than it takes to wake somebody. A
+/// world that was just made has listed all bodies.
+#[test]
+fn who_wakes_in_a_world_that_was_just_made_is_not_missed() {
+    const SLOW: usize = 100;
+    for gap in [0.0201, 0.021, 0.023, 0.025, 0.027] {
+        let [stepped, shortlisted] = [Shortlisting::Off, Shortlisting::On].map(|shortlisting| {
+            let body = RoundBody { mass: 1.0, radius: 0.1, relaxation: 0.0, stiffness: 1e4 };
+            let place = |k: usize| match k {
+                0 => vec2(-0.2 - gap, 0.0),
+                1 => Vec2::zeros(),
+                _ => vec2(50.0 + 0.2 * (k % 2) as f64, (k / 2) as f64),
+            };
+            let poses = (0..SLOW + 2).map(|k| Pose { position: place(k), orientation: 0.0 }).collect();
+            let speed = |k: usize| if k == 0 { vec2(1.5, 0.0) } else { Vec2::zeros() };
+            let twists = (0..SLOW + 2).map(|k| Twist { velocity: speed(k), angular_velocity: 0.0 }).collect();
+            let mut world = World::new(body.scene(SLOW + 2), State::new(poses, twists), 1e-4).unwrap();
+            world.shortlisting = shortlisting;
+            world.advance(0.6).unwrap();
+            world.state().poses.clone()
+        });
+        for (k, (one, other)) in stepped.iter().zip(&shortlisted).enumerate() {
+            assert!((one.position - other.position).norm() < 1e-7, "{gap} {k}: {one:?} {other:?}");
         }
     }
 }
