@@ -1,13 +1,13 @@
 """Compares the cost of engines for the same crowd, on one core and in turns.
 
     python reference/speed.py [--people 1000] [--rounds 5] [--engine NAME]...
-    python reference/speed.py --people 10000 --threads 2       only ours, `human_soft`: how many times real time
+    python reference/speed.py --people 10000 --threads 2       how many times real time: ours with one and two threads
 
 The crowd: people of five disks, six per m2, made by `lemons crowd`, each of whom pushes with up to 500 N in a direction of its own for 1 s. It is
 asked for every sixtieth of a second. The springs of LEMONS-FMU are those of a material; its step is the longest of some that keeps everybody right
 to 1 mm, compared with a far shorter one. Hard bodies (Box2D, Rapier) have restitution and friction, and the step that their authors advise. Costs
-are processor time of the steps alone: the median of the rounds, and the least. With --threads it is wall time, since threads share the work; then
-nothing else should run on the machine.
+are processor time of the steps alone: the median of the rounds, and the least. With --threads, ours (`human_soft`) is wall time, since threads share
+the work; then nothing else should run on the machine.
 """
 
 import argparse
@@ -107,15 +107,19 @@ def longest(trial):
     return engine, errors[len(errors) * 9 // 10], errors[-1]
 
 
-def real_time(trial, threads, rounds):
-    """Says how many times real time a crowd is, with the step that is right for a thousand people."""
-    engine, found = Lemons(trial, 2e-3, threads), []
+def real_time(trial, threads, rounds, hard):
+    """Says how many times real time a crowd is: ours with the step that is right for a thousand people, hard bodies with one thread."""
+    engines = [Lemons(trial, 2e-3, count) for count in sorted({1, threads})] + hard
+    found = [[] for _ in engines]
     for _ in range(rounds):
-        cost = engine.run()
-        found.append((1 / engine.wall, cost))
-    print(f"{engine.name}, {engine.people} people, {threads} threads, {rounds} rounds:")
-    print(f"{statistics.median(pace for pace, _ in found):.2f} times real time by wall time (median), {max(found)[0]:.2f} (best)")
-    print(f"processor time of all threads {statistics.median(cost for _, cost in found):.2f} s for a second")
+        for engine, costs in zip(engines, found):
+            cost = engine.run()
+            costs.append((1 / getattr(engine, "wall", cost), cost))
+    print(f"{engines[0].people} people, {rounds} rounds: times real time, median and best, and processor time of all threads for a second [s]")
+    for engine, costs in zip(engines, found):
+        paces, cost = [pace for pace, _ in costs], statistics.median(cost for _, cost in costs)
+        name = f"{engine.name}, {getattr(engine, 'threads', 1)} threads"
+        print(f"{name:50} {statistics.median(paces):6.2f} {max(paces):6.2f} {cost:6.2f}")
 
 
 def main():
@@ -132,8 +136,10 @@ def main():
     rigid.WITHIN = 0.05
 
     with tempfile.TemporaryDirectory() as folder:
+        modules = installed(["box2d", "rapier"] if arguments.engine is None else arguments.engine)
         if arguments.threads:
-            real_time(crowd(Path(folder), "human_soft", arguments.people), arguments.threads, arguments.rounds)
+            trial = crowd(Path(folder), "human_soft", arguments.people)
+            real_time(trial, arguments.threads, arguments.rounds, [Hard(module, trial) for module in modules.values()])
             return
         trials = [crowd(Path(folder), material, arguments.people) for material in STEPS]
         engines = []
@@ -142,7 +148,6 @@ def main():
             right = "" if greatest <= RIGHT else ": no step of these is right"
             print(f"{engine.name}: error of nine of ten {1e3 * most_of_them:.3f} mm, greatest {1e3 * greatest:.3f} mm{right}", flush=True)
             engines.append(engine)
-        modules = installed(["box2d", "rapier"] if arguments.engine is None else arguments.engine)
         engines += [Hard(module, trials[-1]) for module in modules.values()]
         costs = {engine.name: [] for engine in engines}
         for _ in range(arguments.rounds):
