@@ -30,7 +30,7 @@ struct Listed {
 }
 
 impl Listed {
-    /// Makes it of a body that is not listed: no number, which counts as moved.
+    /// Returns the value of a body that is not listed. Its pose is not a number, which counts as moved.
     fn nowhere() -> Listed {
         let pose = Pose { position: vec2(f64::NAN, f64::NAN), orientation: f64::NAN };
         Listed { pose, turn: Rotation::identity(), skin: 0.0 }
@@ -247,7 +247,7 @@ impl Blocks {
         threads.each(self.blocks.iter_mut().enumerate(), |(k, block)| {
             let bodies = k * BLOCK..((k + 1) * BLOCK).min(circles.len());
             if !anew[bodies.clone()].contains(&true) {
-                // Also those of bodies that have left: they are never near.
+                // Some may be pairs of bodies that are not listed any more: these are never near.
                 limit.take(block.candidates.count());
                 return;
             }

@@ -7,9 +7,10 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
-/// \[m\] The skin of a body that does not move fast. Pairs that were nearer than the sum of their skins when the bodies were
-/// listed are candidates, and those of a disk and a face nearer than the one skin. Each body has a margin ([`near_margin`]), which is less than its skin; it is listed anew when
-/// it has moved by the difference. A larger skin means longer lists that hold longer. The motion does not depend on it.
+/// \[m\] The skin of a body that does not move fast. Two disks are candidates if they were nearer than the sum of their
+/// bodies' skins when these were listed; a disk and a face, if they were nearer than the one skin. Each body has a margin
+/// ([`near_margin`]), which is less than its skin. It is listed anew when it has moved by the difference. A larger skin
+/// means longer lists that hold longer. The motion does not depend on it.
 const SKIN: f64 = 0.03;
 
 /// Returns the skin \[m\] of a body that has some margin \[m\].
@@ -78,7 +79,6 @@ pub(super) const MOST_MARGIN: f64 = 0.06;
 /// found by trial: 0.15 and 0.4 need more instructions in short steps. Lists share the steps that are left.
 pub(super) fn steps_of_near_pairs(mean_movement: f64, left: f64) -> f64 {
     let best = (0.21 / mean_movement.sqrt()).max(1.0);
-    // Also if the movement is not a number.
     let lists = libm::round(left / best).max(1.0);
     left / lists
 }
@@ -281,9 +281,9 @@ pub(super) enum Listing {
     Kept,
 }
 
-/// Lists every pair of a disk of some bodies, ascending, with a disk of a later body or a face that meet if they are larger
-/// by their skins, as long as there is space. So are `disks`, each at its place, and the circles of the listed bodies,
-/// which are in the grid. Bodies that need not be listed anew keep their pairs.
+/// Lists pairs of a disk of some bodies with a disk of a later body or a face, ascending, as long as there is space: those
+/// that meet. `disks` (each at its place) and the circles of listed bodies (also in the grid) are larger by the skin.
+/// Bodies that need not be listed anew keep their pairs.
 pub(super) fn list(
     scene: &Scene,
     disks: &[Circle],

@@ -229,7 +229,7 @@ impl NearPairs {
     }
 }
 
-/// Gives memory back that a longer list needed, or that it took when it grew to twice its size: of the long arrays.
+/// Gives back memory that a list no longer needs: it was longer before, or a growing list took twice its size.
 fn give_back<T>(list: &mut Vec<T>) {
     let count = list.len();
     if list.capacity() > count + count / 2 {
