@@ -1,5 +1,6 @@
 //! The crowd as the model of an FMU: poses are inputs, drives are outputs.
 
+use super::openings::Shut;
 use super::quantities::{self, DecisionQuantity};
 use super::{AgentState, Decision};
 use crate::config::DECISION_FILE;
@@ -21,6 +22,7 @@ pub struct SavedDecision {
     time: f64,
     /// See [`Decision`].
     passed: Vec<usize>,
+    shut: Shut,
     wanted: Option<Vec<DesiredMotion>>,
 }
 
@@ -40,7 +42,7 @@ impl Model for Decision {
     const DESCRIPTION: &'static str =
         "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 11;
+    const STATE_VERSION: u32 = 12;
     const SIZES: &'static [Size] = &quantities::SIZES;
     const VARIABLES: &'static [Variable<DecisionQuantity>] = &quantities::QUANTITIES;
 
@@ -57,7 +59,9 @@ impl Model for Decision {
     }
 
     fn size(&self, place: usize) -> u64 {
-        [self.agents.len(), self.most_waypoints][place] as u64
+        let operable = |quantity| self.operable(quantity).unwrap_or(0);
+        let [doors, exits] = [DecisionQuantity::DoorOpen, DecisionQuantity::ExitOpen].map(operable);
+        [self.agents.len(), self.most_waypoints, doors, exits][place] as u64
     }
 
     fn scalars(&self) -> Vec<Scalar<DecisionQuantity>> {
@@ -69,6 +73,9 @@ impl Model for Decision {
     }
 
     fn number(&mut self, quantity: DecisionQuantity, element: usize) -> Answer<f64> {
+        if let Some(open) = self.may_open(quantity, element) {
+            return Ok(open.into());
+        }
         if let Some(field) = self.field(quantity, element) {
             return Ok(*field);
         }
@@ -121,6 +128,9 @@ impl Model for Decision {
     }
 
     fn set(&mut self, quantity: DecisionQuantity, element: usize, value: f64, _: Phase) {
+        if self.operate(quantity, element, value != 0.0) {
+            return;
+        }
         if let Some(field) = self.field(quantity, element) {
             *field = value;
             self.forget();
@@ -152,6 +162,7 @@ impl Model for Decision {
             fingerprint: self.fingerprint,
             time: self.time,
             passed: self.passed.clone(),
+            shut: self.shut.clone(),
             agents: self.agents.clone(),
             wanted: self.wanted.clone(),
         }
@@ -159,7 +170,7 @@ impl Model for Decision {
 
     fn restore(&mut self, saved: &SavedDecision) -> Answer<()> {
         const IMPOSSIBLE: &str = "it has other agents or way-points, or impossible values";
-        let SavedDecision { fingerprint, agents: saved, time, passed, wanted } = saved;
+        let SavedDecision { fingerprint, agents: saved, time, passed, shut, wanted } = saved;
         if *fingerprint != self.fingerprint {
             return refuse("the state belongs to another model, with another Trial or decision.toml");
         }
@@ -181,6 +192,7 @@ impl Model for Decision {
         };
         if !time.is_finite()
             || passed.len() != self.passed.len()
+            || !shut.fits(&self.plan)
             || wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len())
         {
             return damaged(IMPOSSIBLE);
@@ -199,6 +211,7 @@ impl Model for Decision {
         }
         (self.agents, self.time) = (restored.agents, *time);
         self.passed.clone_from(passed);
+        self.restore_shut(shut);
         self.forget();
         self.wanted.clone_from(wanted);
         Ok(())
