@@ -49,6 +49,7 @@ def test_a_softer_spring_swings_about_its_new_rest(tmp_path, pack, instantiate):
     fmu["material.flesh.YoungModulus"] = YOUNG / 4
     fmu.step(STEP)
     fmu.fmu.reset()
+    fmu.initialize()
     assert fmu["material.flesh.YoungModulus"] == YOUNG
 
 
