@@ -309,6 +309,11 @@ impl Plan {
         later
     }
 
+    /// Returns how many people come per second, by all sources that have a rate; `None` without such.
+    pub fn arrivals(&self) -> Option<f64> {
+        self.sources.iter().filter_map(|source| source.rate).reduce(|a, b| a + b)
+    }
+
     /// Returns whether somebody chooses an exit by more than where it is: by the expected time, by what is open, or with
     /// others.
     pub(crate) fn chooses(&self) -> bool {

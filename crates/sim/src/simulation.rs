@@ -8,7 +8,7 @@ use crowd_mechanics::model::{CrowdModel, SavedCrowd};
 use crowd_mechanics::quantities::CrowdQuantity;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
-use lemons_decision::decision::{Act, SavedDecision, Stance};
+use lemons_decision::decision::{Act, Influence, SavedDecision, Stance};
 use lemons_decision::{Decision, Plan};
 use lemons_fmi::{Model, Phase, Step, fingerprint};
 use lemons_results::columns::Group;
@@ -191,6 +191,19 @@ impl Simulation {
         }
     }
 
+    /// Influences everybody who walks, from now on.
+    ///
+    /// # Errors
+    /// No ways to exits and goals can be found.
+    pub fn influence(&mut self, by: Influence) -> Result<(), SimError> {
+        if let Some(IndexedModel { model, .. }) = &mut self.decision
+            && model.influence(by)
+        {
+            self.acts = model.acts()?;
+        }
+        Ok(())
+    }
+
     /// Takes an agent out, or lets it come back where it was. Of people who walk, Decision says it in each step.
     pub fn set_present(&mut self, agent: usize, present: bool) {
         self.crowd.model.set(CrowdQuantity::Active, agent, present.into(), Phase::StepComplete);
@@ -258,6 +271,20 @@ impl Simulation {
     pub fn going(&mut self) -> Result<Vec<bool>, SimError> {
         let nobody = vec![false; self.ids.len()];
         Ok(self.decision.as_mut().map_or(Ok(nobody), |decision| decision.model.going())?)
+    }
+
+    /// Returns by which exit everybody wants to leave now ([`Decision::heads`]); nobody if nobody walks.
+    ///
+    /// # Errors
+    /// No ways to exits and goals can be found.
+    pub fn heads(&mut self) -> Result<Vec<Option<usize>>, SimError> {
+        let nobody = vec![None; self.ids.len()];
+        Ok(self.decision.as_mut().map_or(Ok(nobody), |decision| decision.model.heads())?)
+    }
+
+    /// Returns what people do who walk.
+    pub fn plan(&self) -> Option<&Plan> {
+        self.decision.as_ref().map(|decision| decision.model.plan())
     }
 
     /// Returns the value of a parameter of the crowd that is a text.

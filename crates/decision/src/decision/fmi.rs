@@ -1,7 +1,7 @@
 //! The crowd as the model of an FMU: poses are inputs, drives are outputs.
 
 use super::quantities::{self, DecisionQuantity};
-use super::{AgentState, Decision};
+use super::{AgentState, Decision, Influence};
 use crate::config::DECISION_FILE;
 use crate::plan::Plan;
 use crate::walking_model::DesiredMotion;
@@ -21,6 +21,8 @@ pub struct SavedDecision {
     time: f64,
     /// See [`Decision`].
     passed: Vec<usize>,
+    influence: Influence,
+    ahead: Vec<f64>,
     wanted: Option<Vec<DesiredMotion>>,
 }
 
@@ -40,7 +42,7 @@ impl Model for Decision {
     const DESCRIPTION: &'static str =
         "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 11;
+    const STATE_VERSION: u32 = 12;
     const SIZES: &'static [Size] = &quantities::SIZES;
     const VARIABLES: &'static [Variable<DecisionQuantity>] = &quantities::QUANTITIES;
 
@@ -152,6 +154,8 @@ impl Model for Decision {
             fingerprint: self.fingerprint,
             time: self.time,
             passed: self.passed.clone(),
+            influence: self.influence,
+            ahead: self.ahead.clone(),
             agents: self.agents.clone(),
             wanted: self.wanted.clone(),
         }
@@ -159,7 +163,7 @@ impl Model for Decision {
 
     fn restore(&mut self, saved: &SavedDecision) -> Answer<()> {
         const IMPOSSIBLE: &str = "it has other agents or way-points, or impossible values";
-        let SavedDecision { fingerprint, agents: saved, time, passed, wanted } = saved;
+        let SavedDecision { fingerprint, agents: saved, time, passed, influence, ahead, wanted } = saved;
         if *fingerprint != self.fingerprint {
             return refuse("the state belongs to another model, with another Trial or decision.toml");
         }
@@ -181,6 +185,9 @@ impl Model for Decision {
         };
         if !time.is_finite()
             || passed.len() != self.passed.len()
+            || !influence.is_sound()
+            || ahead.len() != self.ahead.len()
+            || !ahead.iter().all(|ahead| ahead.is_finite())
             || wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len())
         {
             return damaged(IMPOSSIBLE);
@@ -199,6 +206,8 @@ impl Model for Decision {
         }
         (self.agents, self.time) = (restored.agents, *time);
         self.passed.clone_from(passed);
+        self.influence = *influence;
+        self.ahead.clone_from(ahead);
         self.forget();
         self.wanted.clone_from(wanted);
         Ok(())
