@@ -118,10 +118,11 @@ impl CrowdModel {
         }
     }
 
-    /// Opens and closes walls as the Trial says for a time \[s\].
+    /// Opens and closes walls as the Trial and the importer say for a time \[s\].
     fn open_and_close(&mut self, time: f64) -> Answer<()> {
         let Some(world) = &mut self.world else { return Ok(()) };
-        Ok(Setup::of(&self.trial).open_and_close(time, world)?)
+        let shut = |door| self.settings.elements.get(&(CrowdQuantity::DoorOpen, door)) == Some(&0.0);
+        Ok(Setup::of(&self.trial).open_and_close(time, shut, world)?)
     }
 
     /// Before an input of an agent is set: the packed drive no longer drives it, as if it had none.
@@ -274,6 +275,9 @@ impl CrowdModel {
             CrowdQuantity::IntermediateSteps => self.settings.intermediate_steps.into(),
             CrowdQuantity::PlayDrive => self.settings.play_drive.into(),
             CrowdQuantity::MostMechanicalSteps => self.settings.most_steps,
+            CrowdQuantity::DoorOpen => {
+                self.settings.elements.get(&(quantity, element)).copied().unwrap_or(1.0)
+            }
             CrowdQuantity::Active => {
                 let usual = f64::from(!self.trial.dynamics[element].absent);
                 self.settings.elements.get(&(quantity, element)).copied().unwrap_or(usual)

@@ -20,12 +20,13 @@ use uuid::Uuid;
 pub const MOST_MECHANICAL_STEPS: f64 = 1e9;
 
 /// The structural parameters.
-pub const SIZES: [Size; 5] = [
+pub const SIZES: [Size; 6] = [
     Size::new("Agents", "number of agents"),
     Size::new("Materials", "number of materials"),
     Size::new("WallSegments", "number of straight pieces of walls; 1 without walls"),
     Size { optional: true, ..Size::new("Panels", "number of panels of walls") },
     Size { optional: true, ..Size::new("Chests", "number of agents, if the load on chests is found") },
+    Size { optional: true, ..Size::new("Doors", "number of walls that open") },
 ];
 
 const ONE_VALUE: &[Dimension] = &[];
@@ -36,6 +37,7 @@ const PAIRS: &[Dimension] = &[Dimension::Size(1), Dimension::Size(1)];
 const WALLS: &[Dimension] = &[Dimension::Size(2)];
 const PANELS: &[Dimension] = &[Dimension::Size(3)];
 const CHESTS: &[Dimension] = &[Dimension::Size(4)];
+const DOORS: &[Dimension] = &[Dimension::Size(5)];
 /// Where disks and faces are: on this contacts and overlaps depend at the start.
 const PLACES: &[CrowdQuantity] =
     &[CrowdQuantity::Trial, CrowdQuantity::Active, CrowdQuantity::Position, CrowdQuantity::Theta];
@@ -65,9 +67,10 @@ const ALL_FORCES: &[CrowdQuantity] = &[
     CrowdQuantity::GammaTangential,
     CrowdQuantity::KineticFriction,
 ];
-/// Beginnings of the names of arrays of walls and of panels; in FMI 2.0 they are before the name.
+/// Beginnings of the names of arrays of walls, of panels and of doors; in FMI 2.0 they are before the name.
 const WALL: &str = "Wall";
 const BARRIER: &str = "Barrier";
+const DOOR: &str = "Door";
 
 /// Makes the quantities: name, dimensions, type; role and description, by the methods of a [`Variable`]; and how an
 /// element is read from a running world, if it is there.
@@ -139,6 +142,11 @@ quantities! {
     Active: AGENTS, Boolean,
         .input("whether it is there from the next step on; if not, it touches nothing and does not move"),
         |world, i| world.is_present(BodyId::from(i)).into();
+    DoorOpen: DOORS, Boolean,
+        .input(
+            "whether the door is open from the next step on, at the times at which it may be: Open in Geometry.xml; it \
+             shuts when nobody is in it",
+        );
     Position: VECTORS, Real(POSITION), .exact("x and y of the centre of mass"),
         |world, k| axis_of(world.state().poses[k / 2].position, k);
     Theta: AGENTS, Real(ANGLE), .exact("orientation: angle from the x axis to the gaze"),
@@ -239,7 +247,8 @@ pub fn sizes(trial: &Trial) -> Vec<u64> {
     let panels = trial.geometry.panel_count();
     let agents = trial.agents.len() as u64;
     let chests = if trial.agents.iter().any(Agent::has_chest) { agents } else { 0 };
-    vec![agents, trial.materials.intrinsic.len() as u64, segments as u64, panels as u64, chests]
+    let materials = trial.materials.intrinsic.len() as u64;
+    vec![agents, materials, segments as u64, panels as u64, chests, trial.geometry.doors().count() as u64]
 }
 
 /// Returns the straight pieces of walls: the wall of each, and its place in it.
@@ -283,6 +292,14 @@ pub fn scalars(trial: &Trial) -> Vec<Scalar<CrowdQuantity>> {
             ..scalar
         }));
     }
+    for (k, (_, wall)) in trial.geometry.doors().enumerate() {
+        let about = format!("wall Id {}: ", wall.id);
+        let of_door = of(DOORS).flat_map(|row| row.scalars(k, "", &about));
+        scalars.extend(of_door.map(|scalar| Scalar {
+            name: format!("door[{k}].{}", scalar.name.trim_start_matches(DOOR)),
+            ..scalar
+        }));
+    }
     scalars.extend(scalars_of_materials(trial));
     scalars
 }
@@ -314,11 +331,11 @@ pub fn guid(trial: &Trial) -> Uuid {
     lemons_fmi::guid(&scalars(trial))
 }
 
-/// Returns a token of the variables that the Trials of an FMI 2.0 FMU share: of all but those of walls, panels and chests. The FMU has
+/// Returns a token of the variables that the Trials of an FMI 2.0 FMU share: of all but those of walls, panels, chests and doors. The FMU has
 /// these of its first Trial; where another one has fewer walls, they are 0.
 pub fn shared(trial: &Trial) -> Uuid {
     let mut scalars = scalars(trial);
-    scalars.retain(|scalar| ![WALLS, PANELS, CHESTS].contains(&scalar.variable.dimensions));
+    scalars.retain(|scalar| ![WALLS, PANELS, CHESTS, DOORS].contains(&scalar.variable.dimensions));
     lemons_fmi::guid(&scalars)
 }
 

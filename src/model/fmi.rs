@@ -24,7 +24,7 @@ impl Model for CrowdModel {
     const INTERPOLATES_INPUTS: bool = true;
     const KNOWS_DERIVATIVES: bool = true;
     const SHOWS_INTERMEDIATE_VALUES: bool = true;
-    const STATE_VERSION: u32 = 15;
+    const STATE_VERSION: u32 = 16;
     const SIZES: &'static [Size] = &SIZES;
     const VARIABLES: &'static [Variable<CrowdQuantity>] = &QUANTITIES;
 
@@ -117,6 +117,9 @@ impl Model for CrowdModel {
             CrowdQuantity::IntermediateSteps => self.settings.intermediate_steps = value as i32,
             CrowdQuantity::PlayDrive => self.settings.play_drive = value != 0.0,
             CrowdQuantity::Active => self.set_present(element, value, phase),
+            CrowdQuantity::DoorOpen => {
+                self.settings.elements.insert((quantity, element), value);
+            }
             _ => {
                 self.take_over(quantity, element);
                 match self.world.as_mut().and_then(|world| input(world, quantity, element)) {

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// Values that importers have set, other than those of inputs at communication points. States hold them in this order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Settings {
-    /// Elements of quantities: of the documents, and who is there at the start.
+    /// Elements of quantities: of the documents, who is there at the start, and which doors are open.
     pub elements: BTreeMap<(CrowdQuantity, usize), f64>,
     pub play_drive: bool,
     pub threads: i32,
@@ -60,10 +60,13 @@ impl Settings {
     pub fn applied_to(&self, packed: &Trial) -> Option<Trial> {
         let mut trial = packed.clone();
         for (&(quantity, element), &value) in &self.elements {
-            if quantity == CrowdQuantity::Active {
-                trial.agents.get(element)?;
-            } else {
-                *field(&mut trial, quantity, element)? = value;
+            match quantity {
+                CrowdQuantity::Active => {
+                    trial.agents.get(element)?;
+                }
+                // Another Trial may have fewer doors.
+                CrowdQuantity::DoorOpen => {}
+                _ => *field(&mut trial, quantity, element)? = value,
             }
         }
         Some(trial)

@@ -214,19 +214,22 @@ impl Setup<'_> {
         Some(message!(SAME_PLACE, whose, others))
     }
 
-    /// Opens and closes the walls of a world as the Trial says for a time \[s\]. A wall that closes waits until nobody is
-    /// in it.
+    /// Opens and closes the walls of a world: a door is open if the Trial says so for a time \[s\], and it is not `shut`,
+    /// by its place among the doors. A wall that closes waits until nobody is in it.
     ///
     /// # Errors
     /// Too many agents are at one place.
-    pub fn open_and_close(&self, time: f64, world: &mut World) -> Result<(), WorldError> {
-        if self.geometry.walls.iter().all(|wall| wall.open.is_none()) {
-            return Ok(());
+    pub fn open_and_close(
+        &self,
+        time: f64,
+        shut: impl Fn(usize) -> bool,
+        world: &mut World,
+    ) -> Result<(), WorldError> {
+        let mut present = world.present_walls().to_vec();
+        for (door, (w, wall)) in self.geometry.doors().enumerate() {
+            let open = wall.is_open(time) && !shut(door);
+            present[w] = !open && (present[w] || world.is_free(WallId::from(w), 1.0));
         }
-        let is_there = |(w, wall): (usize, &Wall)| {
-            !wall.is_open(time) && (world.present_walls()[w] || world.is_free(WallId::from(w), 1.0))
-        };
-        let present: Vec<bool> = self.geometry.walls.iter().enumerate().map(is_there).collect();
         if present == world.present_walls() {
             return Ok(());
         }

@@ -21,12 +21,14 @@ mod fmi;
 mod groups;
 mod lean;
 mod legs;
+mod openings;
 pub mod quantities;
 mod sources;
 
 use aims::Aim;
 pub use fmi::SavedDecision;
 pub use legs::Stance;
+use openings::Shut;
 pub use quantities::DecisionQuantity;
 
 /// \[s\] Relaxation time of the direction of walking, or only of the gaze.
@@ -171,6 +173,7 @@ pub struct Decision {
     aims: Option<Vec<Aim>>,
     /// How many have left by each target since it opened last.
     passed: Vec<usize>,
+    shut: Shut,
     /// Legs of all agents at their present poses, if they were computed; `None` inside for who has left.
     legs: Option<Vec<Option<Legs>>>,
     /// How people lean on those in front at their present poses, if it was computed.
@@ -217,6 +220,7 @@ impl Decision {
             passed: vec![0; plan.targets.len()],
             influence: Influence::default(),
             ahead: vec![0.0; plan.sources.len()],
+            shut: Shut::none(&plan),
             plan,
             fingerprint,
             most_waypoints,
@@ -328,7 +332,8 @@ impl Decision {
         (self.aims, self.leans) = (None, None);
         gone.into_iter().for_each(|by| self.passed[by] += 1);
         goes_on |= self.let_in(step);
-        self.choose_exits(step);
+        let operated = self.notice();
+        self.choose_exits(step, operated);
         let before = self.time;
         self.time += step;
         self.motivate_since(before);
@@ -375,7 +380,7 @@ impl Decision {
     /// Finds the ways to exits and goals, unless that was done before.
     fn find_ways(&mut self) -> Answer<()> {
         if self.ways.is_none() {
-            let found = self.plan.ways();
+            let found = self.plan.ways(self.chooses());
             let found = found.or_else(|error| refuse(format!("no ways to exits and goals: {error}")))?;
             self.ways = Some(found.map(Arc::new));
         }

@@ -149,8 +149,7 @@ impl Plan {
             several || goes(&config.waypoints) || config.agents.values().any(|own| goes(&own.waypoints));
         let only_stands = balance.is_some() && targets.is_empty() && !ways;
         let seed = config.seed.unwrap_or(0);
-        let doors: Vec<Wall> =
-            trial.geometry.walls.iter().filter(|wall| wall.open.is_some()).cloned().collect();
+        let doors: Vec<Wall> = trial.geometry.doors().map(|(_, wall)| wall.clone()).collect();
         let queue = config.queue.filter(|queue| !queue.is_idle());
         let sources = sources(trial, &config.sources, seed)?;
         let late: HashSet<usize> =
@@ -316,7 +315,7 @@ impl Plan {
 
     /// Returns whether somebody chooses an exit by more than where it is: by the expected time, by what is open, or with
     /// others.
-    pub(crate) fn chooses(&self) -> bool {
+    pub fn chooses(&self) -> bool {
         let chooses = |agent: &Planned| agent.destination == Destination::NearestExit;
         (self.exit_choice == ExitChoice::Time || self.chooses_at_once()) && self.agents.iter().any(chooses)
     }
@@ -371,11 +370,11 @@ impl Plan {
         ways
     }
 
-    /// Returns the ways to exits and goals; `None` if nobody goes to one.
+    /// Returns the ways to exits and goals; `None` if nobody goes to one. Where people choose an exit, each has a way.
     ///
     /// # Errors
     /// The area is too large.
-    pub fn ways(&self) -> Result<Option<Ways>, PlanError> {
+    pub fn ways(&self, choosing: bool) -> Result<Option<Ways>, PlanError> {
         if self.agents.iter().all(|agent| agent.destination == Destination::None) {
             return Ok(None);
         }
@@ -385,7 +384,7 @@ impl Plan {
             let further = agent.walker.waypoints.iter().map(|w| vec2(w.x, w.y));
             std::iter::once(own).chain(further).map(|at| (at, agent.destination))
         });
-        if !self.chooses() {
+        if !choosing {
             return Ways::new(&self.walls, &self.links, &self.targets, places).map(Some);
         }
         let exits = self.targets.iter().enumerate().filter(|(_, target)| !target.stay);

@@ -183,6 +183,12 @@ impl PySimulation {
         Ok(())
     }
 
+    /// Keeps `door[k]` or `exit[k]` shut, or lets it be open at its times.
+    fn set_open(&mut self, name: &str, is_open: bool) -> PyResult<()> {
+        let operated = self.simulation.set_open(name, is_open);
+        operated.then_some(()).ok_or_else(|| refused(format!("{name:?}: there is no such door or exit")))
+    }
+
     /// The numbers of everybody, shape (N, 15), or (N, 20) with legs.
     fn observe<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         self.simulation.world().ok_or_else(|| refused(SimError::NotBegun))?;

@@ -21,11 +21,12 @@ struct Meaning {
 }
 
 impl Meaning {
-    /// Returns the first input among these variables.
+    /// Returns the first input among these variables that the coupling feeds: not those of doors and exits.
     fn input(&self) -> Option<&str> {
         let crowd = self.crowd.iter().map(|scalar| (scalar.variable.role, &scalar.name));
         let decision = self.decision.iter().map(|scalar| (scalar.variable.role, &scalar.name));
-        crowd.chain(decision).find(|(role, _)| *role == Role::Input).map(|(_, name)| name.as_str())
+        let fed = |(role, name): &(Role, &String)| *role == Role::Input && !is_operated(name);
+        crowd.chain(decision).find(fed).map(|(_, name)| name.as_str())
     }
 }
 
@@ -47,9 +48,10 @@ impl Simulation {
             (Some((model, _)), None, None) => Err(prefixed(model.meant(variable))),
             (None, Some(crowd), decision) => {
                 // What only Decision has needs its prefix: the crowd may get such a variable later.
-                let both = of_crowd.is_none() && name.starts_with("agent[");
                 let decision = decision.unwrap_or_default();
-                let both = both && decision.iter().all(|of| of.variable.role == Role::Parameter);
+                let parameters = decision.iter().all(|of| of.variable.role == Role::Parameter);
+                let both =
+                    of_crowd.is_none() && (name.starts_with("agent[") && parameters || is_operated(name));
                 Ok(Meaning { crowd, decision: if both { decision } else { Vec::new() } })
             }
             (None, None, Some(_)) => Err(Some(format!("{DECISION}.{variable}"))),
@@ -191,6 +193,11 @@ pub struct VariableSelection(Vec<Selected>);
 enum Selected {
     Crowd(CrowdQuantity, usize),
     Decision(decision::DecisionQuantity, usize),
+}
+
+/// Whether a name is of an input of doors or exits, which whoever runs the simulation operates.
+fn is_operated(name: &str) -> bool {
+    name.starts_with("door[") || name.starts_with("exit[")
 }
 
 /// The rest of a name after a prefix and a point.

@@ -209,6 +209,29 @@ impl Simulation {
         self.crowd.model.set(CrowdQuantity::Active, agent, present.into(), Phase::StepComplete);
     }
 
+    /// Keeps a door (`door[k]`: the k-th of the walls that open) or an exit (`exit[k]`) shut, or lets it be open at its times,
+    /// from the next step on. Those who walk know it. Returns whether there is such a door or exit.
+    pub fn set_open(&mut self, name: &str, open: bool) -> bool {
+        let name = format!("{name}.Open");
+        let door =
+            self.crowd.variables.get(&name).filter(|of| of.variable.quantity == CrowdQuantity::DoorOpen);
+        let door = door.map(|of| of.element);
+        if let Some(door) = door {
+            self.crowd.model.set(CrowdQuantity::DoorOpen, door, open.into(), Phase::StepComplete);
+        }
+        let Some(IndexedModel { model, variables }) = &mut self.decision else { return door.is_some() };
+        let Some(of) = variables.get(&name) else { return door.is_some() };
+        let (quantity, element, value) = (of.variable.quantity, of.element, f64::from(open));
+        if model.number(quantity, element).is_ok_and(|before| before != value) {
+            model.set(quantity, element, value, Phase::StepComplete);
+            // They see it at once. If they cannot, the next step says why.
+            if let (false, Ok(acts)) = (self.acts.is_empty(), model.acts()) {
+                self.acts = acts;
+            }
+        }
+        true
+    }
+
     /// Steps to a communication point \[s\].
     ///
     /// # Errors

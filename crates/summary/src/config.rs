@@ -1,6 +1,6 @@
 //! What of a Trial is in which slot: `summary.toml`, as it was told when the FMU was packed.
 
-use crate::quantities::What;
+use crate::quantities::{SummaryQuantity, What};
 use lemons_core::trial::Wall;
 use lemons_results::measure::{LIMIT, MeasuringArea};
 use lemons_sim::Documents;
@@ -67,8 +67,8 @@ fn known(all: &[String]) -> String {
 pub(crate) struct Slots {
     /// Exits, by their places among the targets of the plan.
     pub exits: Vec<usize>,
-    /// Doors, by their places among those of the Trial.
-    pub doors: Vec<usize>,
+    /// Inputs that open and shut, and what: as [`Simulation::set_open`](lemons_sim::Simulation::set_open) names it.
+    pub operated: Vec<(SummaryQuantity, String)>,
     pub panels: Vec<usize>,
     pub areas: Vec<MeasuringArea>,
     /// \[N\]
@@ -162,6 +162,11 @@ impl SummaryConfig {
             format!("panel {k}, of the wall {wall:?} from {from} to {to} m")
         };
         let exit = |k: &usize| format!("exit {:?}", named[*k]);
+        let input = |what, slot| SummaryQuantity { what, slot };
+        let of_exits =
+            chosen.iter().enumerate().map(|(slot, k)| (input(What::ExitOpen, slot), format!("exit[{k}]")));
+        let of_doors =
+            doors.iter().enumerate().map(|(slot, k)| (input(What::DoorOpen, slot), format!("door[{k}]")));
         Ok(Slots {
             names: [
                 chosen.iter().map(exit).collect(),
@@ -169,8 +174,8 @@ impl SummaryConfig {
                 panels.iter().map(panel).collect(),
                 names.iter().map(|name| format!("area {name:?}")).collect(),
             ],
-            exits: chosen.into_iter().map(|k| exits[k]).collect(),
-            doors,
+            exits: chosen.iter().map(|k| exits[*k]).collect(),
+            operated: of_exits.chain(of_doors).collect(),
             panels,
             areas: self.areas.iter().map(area).collect::<Result<_, _>>()?,
             limit,

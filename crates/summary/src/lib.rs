@@ -96,6 +96,9 @@ impl Summary {
             arrivals,
         };
         self.simulation.influence(influence)?;
+        for (quantity, name) in &self.slots.operated {
+            self.simulation.set_open(name, self.values[quantity.place()] != 0.0);
+        }
         self.simulation.step_to(time)?;
         self.see()
     }

@@ -216,6 +216,11 @@ class Crowd:
     def active(self, values: npt.ArrayLike) -> None:
         self.active[:] = values
 
+    def set_open(self, name: str, is_open: bool) -> None:
+        """Keeps a door or an exit shut, or lets it be open at its times, from the next step on: `door[0]` is the first of the
+        walls that open, `exit[0]` the first exit of decision.toml."""
+        self._simulation.set_open(name, is_open)
+
     @property
     def left(self) -> int:
         """How many people are not there: who have left, or were taken out."""

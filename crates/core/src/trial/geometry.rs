@@ -41,6 +41,11 @@ impl Geometry {
         self.walls.iter().filter(|wall| wall.open.is_none())
     }
 
+    /// Returns the walls that open at some times, each with its place among all walls.
+    pub fn doors(&self) -> impl Iterator<Item = (usize, &Wall)> {
+        self.walls.iter().enumerate().filter(|(_, wall)| wall.open.is_some())
+    }
+
     /// Returns the text of a `Geometry.xml`. Every number is read back as the same double.
     pub fn to_xml(&self) -> String {
         xml(self)

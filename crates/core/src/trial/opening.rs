@@ -50,6 +50,11 @@ impl OpeningTimes {
         Err(format!("open = {pairs:?}: must be {}", OpeningTimes::RULE))
     }
 
+    /// Returns times that are later than any run.
+    pub fn never() -> OpeningTimes {
+        OpeningTimes(vec![[LATEST - 1.0, LATEST]])
+    }
+
     /// Returns numbers of which [`OpeningTimes::of_numbers`] makes the same.
     pub fn numbers(&self) -> impl Iterator<Item = f64> {
         self.0.as_flattened().iter().copied().filter(|time| *time != LATEST)

@@ -129,7 +129,7 @@ impl Decision {
     pub(super) fn destination(&self, i: usize) -> Destination {
         let planned = self.plan.agents[i].destination;
         let at_once = || {
-            let chooses = planned == Destination::NearestExit && self.plan.chooses_at_once();
+            let chooses = planned == Destination::NearestExit && self.chooses_at_once();
             if chooses { self.nearest_exit(i, self.time) } else { None }
         };
         self.agents[i].choice.exit.or_else(at_once).map_or(planned, Destination::Target)
@@ -183,8 +183,7 @@ impl Decision {
     fn share_before_door(&self, i: usize, way: Vec2, far: f64) -> Option<f64> {
         let (agent, disks) = (&self.agents[i], &self.plan.agents[i].disks);
         let at = agent.at();
-        let closed = self.plan.doors.iter().filter(|door| !door.is_open(self.time));
-        let ahead = closed.map(|door| (door, door::distance(door, at, way)));
+        let ahead = self.closed_doors(self.time).map(|door| (door, door::distance(door, at, way)));
         let ahead = ahead.filter(|(_, distance)| *distance <= far + AT_DOOR);
         let (door, distance) = ahead.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
         let before = at + way * distance;

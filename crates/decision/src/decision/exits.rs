@@ -3,18 +3,18 @@
 use super::aims::Aim;
 use super::{AgentState, Decision};
 use crate::exit_choice::{ExitChoice, Offer, Queues};
-use crate::target::{Destination, Target};
+use crate::target::Destination;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::OpeningTimes;
 
 impl Decision {
     /// Chooses an exit for everybody whose turn it is, as it is after a step \[s\], if people choose by more than where exits
-    /// are.
-    pub(super) fn choose_exits(&mut self, step: f64) {
-        let Some(Some(ways)) = self.ways.clone().filter(|_| self.plan.chooses()) else { return };
+    /// are; for everybody if a door or an exit was operated.
+    pub(super) fn choose_exits(&mut self, step: f64, operated: bool) {
+        let Some(Some(ways)) = self.ways.clone().filter(|_| self.chooses()) else { return };
         let (now, by_time) = (self.time + step, self.plan.exit_choice == ExitChoice::Time);
         // By distance, once a second and when something opens or closes; a group with its first member.
-        let anew = self.plan.opens_or_closes(self.time, now);
+        let anew = operated || self.plan.opens_or_closes(self.time, now);
         let open = self.exits().any(|k| !self.is_full(k));
         let due = |agent: &mut AgentState| !by_time && (agent.choice.is_due(step) || anew);
         let due: Vec<bool> = self.agents.iter_mut().map(due).collect();
@@ -56,8 +56,8 @@ impl Decision {
                 widths.iter().map(|(target, _)| self.doors_on_the_way(i, *target)).collect();
             let offers = widths.iter().zip(&doors).map(|(&(target, width), doors)| {
                 let distance = self.to_go(i, Destination::Target(target));
-                let Target { open, time_factor, .. } = &self.plan.targets[target];
-                Offer { target, distance, width, open: open.as_ref(), doors, time_factor: *time_factor }
+                let time_factor = self.plan.targets[target].time_factor;
+                Offer { target, distance, width, open: self.times_of_exit(target), doors, time_factor }
             });
             let all: Vec<Offer<'_>> = offers.collect();
             let Some(exit) = queues.change(own, self.speed(i), now, &all) else {
@@ -92,11 +92,6 @@ impl Decision {
         self.plan.targets[k].most.is_some_and(|most| self.passed[k] >= most as usize)
     }
 
-    /// Returns whether people can leave by an exit now.
-    pub(super) fn is_open(&self, k: usize) -> bool {
-        self.plan.targets[k].is_open(self.time) && !self.is_full(k)
-    }
-
     /// Of those who reach an exit in the same step, only as many leave as may: the first ones in their order. The others wait.
     pub(super) fn let_out(&self, aims: &mut [Aim]) {
         if !self.plan.counts() {
@@ -112,14 +107,15 @@ impl Decision {
         }
     }
 
-    pub(super) fn exits(&self) -> impl Iterator<Item = usize> {
+    /// Returns the places of the exits among the targets of the plan.
+    pub fn exits(&self) -> impl Iterator<Item = usize> {
         (0..self.plan.targets.len()).filter(|k| !self.plan.targets[*k].stay)
     }
 
     /// Returns the doors on the way of an agent to an exit: when each is open, and how far it is from there \[m\].
     fn doors_on_the_way(&self, i: usize, exit: usize) -> Vec<(&OpeningTimes, f64)> {
         let doors = self.ways().into_iter().flat_map(|ways| ways.doors_to(exit, self.starts_from(i)));
-        doors.filter_map(|(k, far)| Some((self.plan.doors[k].open.as_ref()?, far))).collect()
+        doors.filter_map(|(k, far)| Some((self.times_of_door(k)?, far))).collect()
     }
 
     /// Returns the exit through which an agent is first without queues, at a time \[s\]: the nearest one on foot, if no door
@@ -129,8 +125,8 @@ impl Decision {
         let i = self.leader(i);
         let by_each = self.exits().map(|target| {
             let distance = self.to_go(i, Destination::Target(target));
-            let (exit, doors) = (&self.plan.targets[target], self.doors_on_the_way(i, target));
-            let open = exit.open.as_ref().filter(|open| !open.is_open(time));
+            let doors = self.doors_on_the_way(i, target);
+            let open = self.times_of_exit(target).filter(|open| !open.is_open(time));
             let offer =
                 Offer { target, distance, width: f64::INFINITY, open, doors: &doors, time_factor: 1.0 };
             let first = offer.time(self.speed(i), time, 0.0);

@@ -1,5 +1,6 @@
 //! The crowd as the model of an FMU: poses are inputs, drives are outputs.
 
+use super::openings::Shut;
 use super::quantities::{self, DecisionQuantity};
 use super::{AgentState, Decision, Influence};
 use crate::config::DECISION_FILE;
@@ -23,6 +24,7 @@ pub struct SavedDecision {
     passed: Vec<usize>,
     influence: Influence,
     ahead: Vec<f64>,
+    shut: Shut,
     wanted: Option<Vec<DesiredMotion>>,
 }
 
@@ -42,7 +44,7 @@ impl Model for Decision {
     const DESCRIPTION: &'static str =
         "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 12;
+    const STATE_VERSION: u32 = 13;
     const SIZES: &'static [Size] = &quantities::SIZES;
     const VARIABLES: &'static [Variable<DecisionQuantity>] = &quantities::QUANTITIES;
 
@@ -59,7 +61,9 @@ impl Model for Decision {
     }
 
     fn size(&self, place: usize) -> u64 {
-        [self.agents.len(), self.most_waypoints][place] as u64
+        let operable = |quantity| self.operable(quantity).unwrap_or(0);
+        let [doors, exits] = [DecisionQuantity::DoorOpen, DecisionQuantity::ExitOpen].map(operable);
+        [self.agents.len(), self.most_waypoints, doors, exits][place] as u64
     }
 
     fn scalars(&self) -> Vec<Scalar<DecisionQuantity>> {
@@ -71,6 +75,9 @@ impl Model for Decision {
     }
 
     fn number(&mut self, quantity: DecisionQuantity, element: usize) -> Answer<f64> {
+        if let Some(open) = self.may_open(quantity, element) {
+            return Ok(open.into());
+        }
         if let Some(field) = self.field(quantity, element) {
             return Ok(*field);
         }
@@ -123,6 +130,9 @@ impl Model for Decision {
     }
 
     fn set(&mut self, quantity: DecisionQuantity, element: usize, value: f64, _: Phase) {
+        if self.operate(quantity, element, value != 0.0) {
+            return;
+        }
         if let Some(field) = self.field(quantity, element) {
             *field = value;
             self.forget();
@@ -156,6 +166,7 @@ impl Model for Decision {
             passed: self.passed.clone(),
             influence: self.influence,
             ahead: self.ahead.clone(),
+            shut: self.shut.clone(),
             agents: self.agents.clone(),
             wanted: self.wanted.clone(),
         }
@@ -163,7 +174,8 @@ impl Model for Decision {
 
     fn restore(&mut self, saved: &SavedDecision) -> Answer<()> {
         const IMPOSSIBLE: &str = "it has other agents or way-points, or impossible values";
-        let SavedDecision { fingerprint, agents: saved, time, passed, influence, ahead, wanted } = saved;
+        let SavedDecision { fingerprint, agents: saved, time, passed, influence, ahead, shut, wanted } =
+            saved;
         if *fingerprint != self.fingerprint {
             return refuse("the state belongs to another model, with another Trial or decision.toml");
         }
@@ -188,6 +200,7 @@ impl Model for Decision {
             || !influence.is_sound()
             || ahead.len() != self.ahead.len()
             || !ahead.iter().all(|ahead| ahead.is_finite())
+            || !shut.fits(&self.plan)
             || wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len())
         {
             return damaged(IMPOSSIBLE);
@@ -208,6 +221,7 @@ impl Model for Decision {
         self.passed.clone_from(passed);
         self.influence = *influence;
         self.ahead.clone_from(ahead);
+        self.restore_shut(shut);
         self.forget();
         self.wanted.clone_from(wanted);
         Ok(())

@@ -33,8 +33,7 @@ impl Decision {
         let (Some((queue, pendulum)), None) = (self.plan.queue, &self.leans) else { return };
         self.find_aims();
         let people: Vec<Option<Walking<'_>>> = (0..self.agents.len()).map(|i| self.walking(i)).collect();
-        let closed =
-            self.plan.doors.iter().filter(|door| !door.is_open(self.time)).flat_map(|door| door.sides());
+        let closed = self.closed_doors(self.time).flat_map(|door| door.sides());
         let faces: Vec<[Vec2; 2]> = self.faces.iter().copied().chain(closed).collect();
         // Bodies whose centres are further apart do not touch.
         let reach = 2.0 * self.plan.agents.iter().map(Planned::radius).fold(0.0, f64::max) + TOUCHING;

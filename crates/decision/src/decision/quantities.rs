@@ -20,6 +20,8 @@ pub enum DecisionQuantity {
     Position,
     Theta,
     Velocity,
+    DoorOpen,
+    ExitOpen,
     Fp,
     Mp,
     Active,
@@ -46,18 +48,22 @@ pub enum DecisionQuantity {
 }
 
 /// The structural parameters.
-pub(super) const SIZES: [Size; 2] = [
+pub(super) const SIZES: [Size; 4] = [
     Size::new("Agents", "number of agents"),
     Size::new("Waypoints", "largest number of way-points of an agent"),
+    Size { optional: true, ..Size::new("Doors", "number of walls that open") },
+    Size { optional: true, ..Size::new("Exits", "number of exits") },
 ];
 
 const AGENTS: &[Dimension] = &[Dimension::Size(0)];
 const VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Fixed(2)];
+const DOORS: &[Dimension] = &[Dimension::Size(2)];
+const EXITS: &[Dimension] = &[Dimension::Size(3)];
 const WAYPOINTS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1)];
 const WAYPOINT_VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1), Dimension::Fixed(2)];
 
 /// The table.
-pub static QUANTITIES: [Variable<DecisionQuantity>; 27] = {
+pub static QUANTITIES: [Variable<DecisionQuantity>; 29] = {
     use DecisionQuantity::*;
     use Domain::*;
     use VariableType::*;
@@ -67,6 +73,11 @@ pub static QUANTITIES: [Variable<DecisionQuantity>; 27] = {
         row(Position, "Position", VECTORS, Real(POSITION)).input("x and y of the centre of mass"),
         row(Theta, "Theta", AGENTS, Real(ANGLE)).input("orientation: angle from the x axis to the gaze"),
         row(Velocity, "Velocity", VECTORS, Real(VELOCITY)).input("velocity along x and y"),
+        row(DoorOpen, "DoorOpen", DOORS, Boolean)
+            .input("whether the door is open, at the times at which it may be; connect what the crowd gets"),
+        row(ExitOpen, "ExitOpen", EXITS, Boolean).input(
+            "whether the exit is open, at the times at which it may be: people choose another one, or wait",
+        ),
         row(Fp, "Fp", VECTORS, Real(FORCE)).calculated("propulsion force along x and y"),
         row(Mp, "Mp", AGENTS, Real(TORQUE)).calculated("propulsion torque"),
         row(Active, "Active", AGENTS, Boolean)
@@ -119,7 +130,7 @@ impl DecisionQuantity {
         matches!(self, DecisionQuantity::Waypoint | DecisionQuantity::WaypointRadius)
     }
 
-    /// Returns whether an output depends on an input or a parameter of the same agent.
+    /// Returns whether an output depends on an input or a parameter of the same agent, or of doors and exits.
     fn needs(self, on: DecisionQuantity) -> bool {
         use DecisionQuantity::*;
         match on {
@@ -129,6 +140,8 @@ impl DecisionQuantity {
             Position | Waypoint | WaypointRadius | Start => true,
             Mass | FloorDamping | DesiredSpeed | Velocity | Push => self == Fp,
             Theta | MomentOfInertia | AngularDamping => self == Mp,
+            DoorOpen => matches!(self, Fp | Mp),
+            ExitOpen => matches!(self, Fp | Mp | Active | Arrived),
             _ => false,
         }
     }
@@ -141,12 +154,24 @@ impl Decision {
         if quantity.row().is_vector() { 2 * waypoints } else { waypoints }
     }
 
+    /// Returns how many doors or exits an input operates; `None` if it is of no such.
+    pub(super) fn operable(&self, quantity: DecisionQuantity) -> Option<usize> {
+        match quantity {
+            DecisionQuantity::DoorOpen => Some(self.plan.doors.len()),
+            DecisionQuantity::ExitOpen => Some(self.exits().count()),
+            _ => None,
+        }
+    }
+
     /// Returns whether an agent has an element of a quantity: not of way-points that it does not
     /// have.
     pub(super) fn has(&self, quantity: DecisionQuantity, element: usize) -> bool {
+        if !quantity.is_of_waypoints() {
+            return true;
+        }
         let each = self.elements_of_each(quantity);
         let count = self.agents[element / each].walker.waypoints.len();
-        !quantity.is_of_waypoints() || element % each < count * each / self.most_waypoints
+        element % each < count * each / self.most_waypoints
     }
 
     /// Returns the number behind an element that can be set; `None` for a computed one, and for
@@ -206,6 +231,14 @@ impl Decision {
                 ]);
             }
         }
+        let doors = self.plan.doors.iter().map(|door| format!("wall Id {}: ", door.id));
+        let exits = self.exits().map(|k| format!("exit {}: ", self.plan.targets[k].name));
+        let mut operated = |quantity: DecisionQuantity, what, k, about: String| {
+            let scalars_of_it = quantity.row().scalars(k, "", &about);
+            scalars.extend(scalars_of_it.map(|of| Scalar { name: format!("{what}[{k}].Open"), ..of }));
+        };
+        doors.enumerate().for_each(|(k, about)| operated(DecisionQuantity::DoorOpen, "door", k, about));
+        exits.enumerate().for_each(|(k, about)| operated(DecisionQuantity::ExitOpen, "exit", k, about));
         scalars
     }
 
@@ -226,7 +259,7 @@ impl Decision {
         }
     }
 
-    /// Returns the dependencies of an output on the inputs and parameters of the same agent; of the
+    /// Returns the dependencies of an output on the inputs and parameters of the same agent, and on doors and exits; of the
     /// number of those who have arrived, on those of everybody.
     pub(super) fn dependencies_of(
         &self,
@@ -247,14 +280,24 @@ impl Decision {
             self.needs_all(output) && counts || extrapolates && on == Velocity
         };
         let needed = |row: &&Variable<DecisionQuantity>| {
-            known.includes(row.role) && (output.needs(row.quantity) || seen(row.quantity))
+            self.operable(row.quantity) != Some(0)
+                && known.includes(row.role)
+                && (output.needs(row.quantity) || seen(row.quantity))
         };
         let on: Vec<DecisionQuantity> = QUANTITIES.iter().filter(needed).map(|row| row.quantity).collect();
         if self.needs_all(output) {
             return Dependencies::All(on);
         }
         let each = self.elements_of_each(output);
+        let (operated, on): (Vec<_>, Vec<_>) = on.into_iter().partition(|on| self.operable(*on).is_some());
         let mut dependencies = Vec::new();
+        let all = if output == DecisionQuantity::Arrived { 1 } else { each * self.agents.len() };
+        for on in operated {
+            let elements = 0..self.operable(on).unwrap_or(0);
+            let pairs =
+                (0..all).flat_map(|dependent| elements.clone().map(move |element| (dependent, element)));
+            dependencies.extend(pairs.map(|(dependent, element)| Dependency { dependent, on, element }));
+        }
         for i in 0..self.agents.len() {
             let dependents =
                 if output == DecisionQuantity::Arrived { 0..1 } else { i * each..(i + 1) * each };

@@ -43,7 +43,7 @@ impl Decision {
             let kept = placed(disks, pose).map(move |(at, radius)| (at, radius + spare));
             (pose.position, reach(disks) + spare, kept)
         });
-        let closed = self.plan.doors.iter().filter(|door| !door.is_open(self.time + step));
+        let closed = self.closed_doors(self.time + step);
         let walls = self.faces.iter().copied().chain(closed.flat_map(|door| door.sides()));
         let (disks, pose) = body(i);
         plane::has_room(pose.position, &placed(disks, pose).collect::<Vec<_>>(), walls, others)

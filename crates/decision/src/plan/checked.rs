@@ -13,7 +13,7 @@ use lemons_core::plane::vec2;
 impl Plan {
     /// Checks that, from where they start, or from their last way-point, all must be able to reach their destination.
     pub(super) fn check_ways(&self) -> Result<(), PlanError> {
-        let Some(ways) = self.ways()? else { return Ok(()) };
+        let Some(ways) = self.ways(self.chooses())? else { return Ok(()) };
         if let Some(shut) = ways.shut().first() {
             return Err(PlanError::Impossible(message!(SHUT, place = self.targets[*shut].label())));
         }

@@ -177,7 +177,7 @@ impl<'a> Way<'a> {
 
 /// Returns two who walk towards each other, if many do. Only the first parts of the ways are looked at.
 fn who_meet<'a>(plan: &'a Plan) -> Option<[&'a str; 2]> {
-    let ways = plan.ways().ok()?;
+    let ways = plan.ways(plan.chooses()).ok()?;
     let every = plan.agents.len().div_ceil(MOST);
     let looked_at = plan.agents.iter().step_by(every);
     let people: Vec<Way> = looked_at.filter_map(|agent| Way::of(agent, ways.as_ref())).collect();
