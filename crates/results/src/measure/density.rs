@@ -54,6 +54,11 @@ impl MeasuringArea {
         self.0.area()
     }
 
+    /// Returns the corners as [`MeasuringArea::of_numbers`] wants them \[m\].
+    pub fn numbers(&self) -> Vec<f64> {
+        self.0.corners().iter().flat_map(|corner| [corner.x, corner.y]).collect()
+    }
+
     /// Returns whether a place \[m\] is in it.
     pub fn contains(&self, place: Vec2) -> bool {
         self.0.contains(place)
