@@ -20,7 +20,7 @@ use std::borrow::Cow;
 pub struct SavedSummary {
     simulation: Vec<u8>,
     /// Inputs, too.
-    values: Vec<f64>,
+    pub(crate) values: Vec<f64>,
     seen: Option<Seen>,
 }
 

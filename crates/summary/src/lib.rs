@@ -202,3 +202,6 @@ impl Squeezes {
         Squeezes(all)
     }
 }
+
+#[cfg(test)]
+mod tests;
