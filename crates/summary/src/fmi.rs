@@ -50,7 +50,7 @@ impl Model for Summary {
         let drive =
             DriveTable::own(&LocalFiles, &trial).map_err(|problems| Refusal::new(problems.to_string()))?;
         let walks = directory.join(DECISION_FILE).exists();
-        let plan = walks.then(|| Plan::read(directory)).transpose().map_err(Refusal::new)?;
+        let plan = walks.then(|| Plan::beside(&trial, directory)).transpose().map_err(Refusal::new)?;
         let text = input::read_text(&directory.join(SUMMARY_FILE), input::LARGEST_SETTINGS)?;
         let config = SummaryConfig::from_toml(&text)?;
         Ok(Summary::new(Documents::new(trial, drive, plan), &config)?)
