@@ -118,11 +118,13 @@ impl CrowdModel {
         }
     }
 
-    /// Opens and closes walls as the Trial and the importer say for a time \[s\].
-    fn open_and_close(&mut self, time: f64) -> Answer<()> {
+    /// Opens and closes walls as the Trial and the importer say for a time \[s\], at which the simulation may begin.
+    fn open_and_close(&mut self, time: f64, begins: bool) -> Answer<()> {
         let Some(world) = &mut self.world else { return Ok(()) };
-        let shut = |door| self.settings.elements.get(&(CrowdQuantity::DoorOpen, door)) == Some(&0.0);
-        Ok(Setup::of(&self.trial).open_and_close(time, shut, world)?)
+        let (setup, settings) = (Setup::of(&self.trial), &self.settings);
+        let shut = |door| settings.elements.get(&(CrowdQuantity::DoorOpen, door)) == Some(&0.0);
+        let operate = if begins { Setup::begin } else { Setup::open_and_close };
+        Ok(operate(&setup, time, shut, world)?)
     }
 
     /// Before an input of an agent is set: the packed drive no longer drives it, as if it had none.

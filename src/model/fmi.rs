@@ -201,7 +201,7 @@ impl Model for CrowdModel {
         self.said_coincident = self.first_coincident();
         self.played = self.whom_it_plays()?;
         self.play(start);
-        self.open_and_close(start)
+        self.open_and_close(start, true)
     }
 
     fn points(&self, step: f64) -> Vec<f64> {
@@ -220,7 +220,7 @@ impl Model for CrowdModel {
         if so_far == 0.0 {
             self.start.clone_from(&self.world);
             self.play(from);
-            self.open_and_close(from)?;
+            self.open_and_close(from, false)?;
             self.let_come();
         }
         let Some(world) = &mut self.world else { return refuse("not initialized") };
@@ -236,7 +236,7 @@ impl Model for CrowdModel {
         self.few_steps(length).map_err(StepError::Refused)?;
         // The importer's time, which may differ from ours by rounding.
         self.play(from);
-        self.open_and_close(from).map_err(StepError::Failed)?;
+        self.open_and_close(from, false).map_err(StepError::Failed)?;
         self.let_come();
         self.warn_of_returns(from);
         // Steps that are refused were refused before they changed anything.

@@ -264,13 +264,14 @@ impl Setup<'_> {
         world.relocate(&moved).map_err(|crowded| self.too_crowded(crowded))
     }
 
-    /// Returns which walls are there at a time \[s\] if nothing is known of before: a closed one is not, if somebody is in it
-    /// deeper than who leans on it.
-    pub fn walls_at(&self, time: f64, world: &World) -> Vec<bool> {
-        let is_there = |(w, wall): (usize, &Wall)| {
-            wall.open.is_none() || !wall.is_open(time) && world.is_free(WallId::from(w), DEEP)
-        };
-        self.geometry.walls.iter().enumerate().map(is_there).collect()
+    /// Returns which walls are there at a time \[s\], of doors those that are closed or `shut`, if nothing is known of before:
+    /// a closed one is not there, if somebody is in it deeper than who leans on it.
+    pub fn walls_at(&self, time: f64, shut: impl Fn(usize) -> bool, world: &World) -> Vec<bool> {
+        let mut present = vec![true; self.geometry.walls.len()];
+        for (door, (w, wall)) in self.geometry.doors().enumerate() {
+            present[w] = (!wall.is_open(time) || shut(door)) && world.is_free(WallId::from(w), DEEP);
+        }
+        present
     }
 
     /// Returns the engine's world at the start of this Trial, with the people and walls that are there at 0 s.
@@ -284,14 +285,28 @@ impl Setup<'_> {
         let world = World::of_present(scene, state, self.parameters.time_step_mechanical, present);
         let mut world = world.map_err(|crowded| self.too_crowded(crowded))?;
         world.drive = self.drive();
-        let present = self.walls_at(0.0, &world);
-        if present.contains(&false) {
-            let crowded = |crowded| self.too_crowded(crowded);
-            world.set_present_walls(&present).map_err(crowded)?;
-            // Nobody was exposed to a door that is open.
-            world.restore(world.state().clone()).map_err(crowded)?;
-        }
+        self.begin(0.0, |_| false, &mut world)?;
         Ok(world)
+    }
+
+    /// Opens and closes the walls of a world that begins at a time \[s\]: see [`Setup::walls_at`].
+    ///
+    /// # Errors
+    /// Too many agents are at one place.
+    pub fn begin(
+        &self,
+        time: f64,
+        shut: impl Fn(usize) -> bool,
+        world: &mut World,
+    ) -> Result<(), WorldError> {
+        let present = self.walls_at(time, shut, world);
+        if present == world.present_walls() {
+            return Ok(());
+        }
+        let crowded = |crowded| self.too_crowded(crowded);
+        world.set_present_walls(&present).map_err(crowded)?;
+        // Nobody was exposed to a door that is open.
+        world.restore(world.state().clone()).map_err(crowded)
     }
 }
 

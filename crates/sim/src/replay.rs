@@ -40,7 +40,7 @@ impl<'t> Replay<'t> {
         let crowded = |crowded| Setup::of(self.trial).too_crowded(crowded);
         self.world.restore(State::new(poses, twists)).map_err(crowded)?;
         let began = (frame.time - self.trial.parameters.time_step).max(0.0);
-        let present = Setup::of(self.trial).walls_at(began, &self.world);
+        let present = Setup::of(self.trial).walls_at(began, |_| false, &self.world);
         if present == self.world.present_walls() {
             return Ok(());
         }

@@ -4,8 +4,8 @@
 //! `fmi3GetVariableDependencies`. Elements of people have the names that they have in FMI 2.0, with indices from 0: an
 //! array whose first dimension is the structural parameter `Agents` or `Chests` has the elements `agent[i].Name`; with a second
 //! dimension of 2 they are `agent[i].Name.x` and `agent[i].Name.y`. In the same way an array `WallName` of the structural
-//! parameter `WallSegments` has the elements `wall[k].Name`, and an array `BarrierName` of
-//! `Panels` has the elements `barrier[k].Name`. Where an array of people has the name that FMI 2.0 gives to
+//! parameter `WallSegments` has the elements `wall[k].Name`; one of `Panels`, `Doors` or `Exits` has those of `barrier[k]`,
+//! `door[k]` or `exit[k]`. Where an array of people has the name that FMI 2.0 gives to
 //! a number of the whole crowd, this number is called `TotalName` in FMI 3.0, and `Name` here.
 
 use super::{ArrayDimension, FmuVariable, Interface, Single};
@@ -14,10 +14,13 @@ use crate::ssp::document::Causality;
 
 /// The structural parameters that are the number of people: of all, and where the load on chests is found.
 const OF_PEOPLE: [&str; 2] = ["Agents", "Chests"];
-/// Those that are the numbers of straight pieces of walls and of panels; what names of arrays of them begin with, and what
-/// elements are called.
-const OF_WALLS: [(&str, &str, &str); 2] =
-    [("WallSegments", "Wall", "wall"), ("Panels", "Barrier", "barrier")];
+/// Those that are the numbers of parts of a room; what names of arrays of them begin with, and what elements are called.
+const OF_ROOM: [(&str, &str, &str); 4] = [
+    ("WallSegments", "Wall", "wall"),
+    ("Panels", "Barrier", "barrier"),
+    ("Doors", "Door", "door"),
+    ("Exits", "Exit", "exit"),
+];
 const TOTAL: &str = "Total";
 const AXES: [&str; 2] = ["x", "y"];
 
@@ -64,10 +67,10 @@ impl Interface {
         }
         let indices = variable.indices(element);
         if !self.is_of_agents(variable) {
-            let of_walls = OF_WALLS.iter().find_map(|(size, begin, element)| {
+            let of_room = OF_ROOM.iter().find_map(|(size, begin, element)| {
                 Some((element, name.strip_prefix(begin).filter(|_| self.is_of(size, variable))?))
             });
-            return match (of_walls, &indices[..]) {
+            return match (of_room, &indices[..]) {
                 (Some((element, name)), [place]) => format!("{element}[{}].{name}", place - 1),
                 _ => format!("{name}{}", written(&indices)),
             };
@@ -96,7 +99,7 @@ impl Interface {
     /// Returns the value that a name means which is not that of a single variable: the one that has this name.
     pub(super) fn parsed(&self, name: &str) -> Option<Single<'_>> {
         let of = |kind: &str| name.strip_prefix(kind).and_then(|rest| rest.split_once("]."));
-        let wall = OF_WALLS.iter().find_map(|(_, begin, element)| {
+        let wall = OF_ROOM.iter().find_map(|(_, begin, element)| {
             let (place, inner) = of(&format!("{element}["))?;
             Some((place, format!("{begin}{inner}")))
         });
