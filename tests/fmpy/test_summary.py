@@ -8,12 +8,14 @@ import subprocess
 import sys
 import zipfile
 
+import documented
 import pytest
-from crowd import TRIAL_DOOR, Crowd, bits
+from crowd import REPOSITORY, TRIAL_DOOR, Crowd, bits
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 from masters import Job, run
 from test_fmutool import check
+from test_reference_variables import described, rows_of_2
 
 STEP = 1 / 16  # s: exact in all masters
 STEPS = 192
@@ -151,6 +153,27 @@ def test_state(summary, instantiate, row):
         seen.append([crowd[name] for name in names])
     assert seen[0] == seen[1]
     row("fmpy", "the summary FMU: the state as bytes to another instance", "same bits as without")
+
+
+def test_the_table_of_the_page(lemons, tmp_path):
+    """Of a Trial that has one of each."""
+    trial = tmp_path / "each"
+    subprocess.run(["cp", "-r", TRIAL_DOOR, trial], check=True)
+    geometry = trial / "static" / "Geometry.xml"
+    gate = '<Wall Id="gate" MaterialId="concrete" Open="0,1e9"><Corner Coordinates="5,2.1"/><Corner Coordinates="5,2.9"/></Wall>'
+    text = geometry.read_text().replace('<Wall Id="0"', '<Wall Id="0" PanelLength="100"')
+    geometry.write_text(text.replace("</Geometry>", gate + "</Geometry>"))
+    exits = 'exits = [{ name = "end", line = [[13.0, 1.5], [13.0, 3.5]] }]'
+    (trial / "decision.toml").write_text(f'balance = "pendulum"\n{exits}\n[[sources]]\npeople = ["29"]\nrate = 0.5\n')
+    options = ["--interface", "summary", "--area", AREA, "--panel", "0"]
+    rows = []
+    for name, *cells, description in rows_of_2(*described(lemons, trial, *options)):
+        kind, unit, causality, _, start = cells
+        description = re.sub(r'^(exit|door|area|panel)[^"]*"[^"]*"[^:"]*: ', "", description)
+        rows.append([re.sub(r"^`(exit|door|area|barrier)1_", r"`\1k_", name), kind, unit, causality, start, description])
+    assert len(rows) == 18, "one of each"
+    header = ["name", "type", "unit", "causality", "start", "meaning"]
+    documented.check("summary", header, rows, page=REPOSITORY / "docs" / "summary.md")
 
 
 def refused(lemons, *words):
