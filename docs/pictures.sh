@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Makes pictures of README.md and docs/ again: docs/pictures.sh [DIRECTORY [NAME...]]
-# The directory is docs/ if none is given. The names are push balance crowd people_kinds scenes trains room guide physics measured flow turnstile lab;
+# The directory is docs/ if none is given. The names are push balance crowd people_kinds scenes trains room guide physics measured flow turnstile barrier lab;
 # all if none is given. Needs cargo build --release -p crowd-mechanics -p lemons-decision-fmu -p lemons-cli; physics needs
 # cargo, too.
 # scene_*.png need Python (PYTHON, else .venv, else python3); trains one with pandas.
 # measured.png needs the measured push (../shared/data/push_wed), flow.png a Python with FMPy and Matplotlib (PYTHON, else
-# .venv), turnstile.png one with Matplotlib and a C compiler, lab_*.png also Playwright there, Chromium, and the lab in the
+# .venv), turnstile.png and barrier.png one with Matplotlib and a C compiler, lab_*.png also Playwright there, Chromium, and the lab in the
 # command (lab/build.sh). Each stays as it is without.
 # All other pictures are made by a script in examples/: docs/development.md, "Pictures".
 set -euo pipefail
@@ -87,6 +87,10 @@ fi
 
 if wanted turnstile && "$python" -c 'import matplotlib' 2>/dev/null; then
     LEMONS=$lemons "$python" examples/turnstile.py "$scratch/turnstile" --seeds 1 --plot "$to/turnstile.png" >/dev/null
+fi
+
+if wanted barrier && "$python" -c 'import matplotlib' 2>/dev/null; then
+    LEMONS=$lemons "$python" examples/barrier_gives_way.py "$scratch/barrier" --plot "$to/barrier.png" >/dev/null
 fi
 
 if wanted lab && "$python" -c 'import matplotlib, playwright' 2>/dev/null && command -v chromium >/dev/null; then

@@ -66,7 +66,7 @@ def make(target: Path, seed: int) -> None:
     run(target, LEMONS, "crowd", *places, *leaving, "-o", f"hall_{seed}", "--force")
     with (target / f"hall_{seed}/decision.toml").open("a", encoding="utf-8") as file:
         file.write(HURRY)
-    run(target, sys.executable, CONTROLLERS / "pack_turnstile.py", PEOPLE, "-o", "turnstile.fmu")
+    run(target, sys.executable, CONTROLLERS / "pack_controller.py", "turnstile", "--agents", PEOPLE, "-o", "turnstile.fmu")
     run(target, LEMONS, "decide", f"hall_{seed}", "--fmi", 3, "-o", "decision.fmu", "--force")
     run(target, LEMONS, "pack", f"hall_{seed}", "--fmi", 3, "-o", "crowd.fmu", "--force")
     connections = ["--connection", "decision.Fp=turnstile.Wanted", "--connection", "turnstile.Fp=crowd.Fp"]

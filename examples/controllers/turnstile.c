@@ -1,6 +1,6 @@
 /* A turnstile that limits squeeze: an FMU of FMI 3.0 for co-simulation, between Decision and the crowd.
  *
- *   python examples/controllers/pack_turnstile.py 80 -o turnstile.fmu      # for 80 people
+ *   python examples/controllers/pack_controller.py turnstile --agents 80 -o turnstile.fmu      # for 80 people
  *
  * People walk to greater x and pass a line at x = Line [m]. The squeeze of each person goes through a low pass with a time
  * constant of 1 s. Squeeze [N] is the greatest of these means among the people beyond the line. The turnstile closes when

@@ -192,7 +192,7 @@ def by_ecos(job):
                         simulation.set_real(name(variable), value)
                     simulation.step()
                     yield [
-                        getattr(simulation, f"get_{variables[variable][0].lower()}")(name(variable))
+                        getattr(simulation, f"get_{variables[variable][0].lower()}".replace("boolean", "bool"))(name(variable))
                         for variable in job.watch
                     ]
             simulation.terminate()

@@ -66,9 +66,12 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
         if fmu.loses_drive(|input| !free.contains(input))? {
             note!("{}", notes::drive_replaced(component));
         }
-        // People are there unless somebody says otherwise.
-        let there = |name: &&str| *name == "Active" || name.ends_with(".Active");
-        let names: Vec<&str> = inputs.iter().map(String::as_str).filter(|name| !there(name)).collect();
+        // People are there, and doors and exits keep to their times, unless somebody says otherwise.
+        let usual = |name: &&str| {
+            let of_one = name.rsplit_once('.').map_or("", |(_, quantity)| quantity);
+            ["Active", "Open"].contains(&of_one) || ["Active", "DoorOpen", "ExitOpen"].contains(name)
+        };
+        let names: Vec<&str> = inputs.iter().map(String::as_str).filter(|name| !usual(name)).collect();
         if !names.is_empty() {
             note!("warning: {component}: {} inputs not connected: {}", names.len(), few(&names, NAMED));
         }
