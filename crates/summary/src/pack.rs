@@ -77,7 +77,10 @@ pub fn write_fmu(
         documentation: &documentation(&model, format.version(), include_str!("documentation.html"), people),
         binaries,
         terminals: terminals_xml(&model, format.version(), "", &[]),
-        icon: FmuPicture { svg: include_str!("icon.svg"), png: include_bytes!("icon.png") },
+        icon: FmuPicture {
+            svg: include_str!("../../../src/icon.svg"),
+            png: include_bytes!("../../../src/icon.png"),
+        },
         diagram: FmuPicture { svg: include_str!("diagram.svg"), png: include_bytes!("diagram.png") },
         picture,
     };
