@@ -14,7 +14,7 @@ if [[ ${1:-} == --asan ]]; then
     export RUSTFLAGS="-Zsanitizer=address -Clink-arg=-rdynamic"
     export ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:${ASAN_OPTIONS:-}
     # The sanitizer keeps freed memory for a while, and never forgets a library: the resident set says nothing.
-    exec cargo test --locked --target "$host" --target-dir "${CARGO_TARGET_DIR:-target}/asan" -p crowd-mechanics --test fmi -- \
+    exec cargo test --locked --target "$host" --target-dir "${CARGO_TARGET_DIR:-target}/asan" -p lemons-crowd --test fmi -- \
         --skip leave_nothing_behind --skip loaded_and_unloaded_without_end
 fi
 

@@ -9,7 +9,7 @@ tools
 # Commands hold the page.
 env -u LEMONS_PROFILE lab/build.sh
 for platform; do
-    packages=(-p crowd-mechanics -p lemons-decision-fmu)
+    packages=(-p crowd-mechanics -p lemons-decision-fmu -p lemons-summary-fmu)
     program=$(program "$platform")
     [[ -z $program ]] || packages+=(-p lemons-cli -p lemons-python --features lemons-cli/parquet,lemons-cli/sqlite)
     read -ra of_platform <<<"$(targets "$platform")"

@@ -109,6 +109,7 @@ scenes=(
     "replay push_fmi2.fmu"
     "replay door_fmi3.fmu"
     "replay decision_fmi2.fmu"
+    "replay summary_fmi2.fmu"
 )
 compared=(push2.csv push3.csv door2.csv door3.csv coupled.csv dense.csv crlf.csv picture.svg Menge/static/Agents.xml)
 # `play DIRECTORY COMMAND…`
@@ -216,7 +217,8 @@ wheel=$(echo "$dist"/lemons_fmu-"$version"-*manylinux_2_17_x86_64*.whl)
 packs() {
     (cd "$work" && "${@:3}" "$2/$(program "$1")" pack "$root/resources/Trial_push" --force -o "$1.fmu")
     (cd "$work" && "${@:3}" "$2/$(program "$1")" decide "$root/resources/Trial_door" --force -o "$1_decision.fmu")
-    licensed "$work/$1.fmu" "$work/$1_decision.fmu"
+    (cd "$work" && "${@:3}" "$2/$(program "$1")" pack "$root/resources/Trial_door" --interface summary --force -o "$1_summary.fmu")
+    licensed "$work/$1.fmu" "$work/$1_decision.fmu" "$work/$1_summary.fmu"
     "$lemons" info "$work/$1.fmu" --only "no such" >"$work/info"
     local platform
     for platform in "${given[@]}"; do

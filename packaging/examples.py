@@ -25,13 +25,17 @@ ROOT = Path(__file__).resolve().parent.parent
 REFERENCE = "extra/org.fmi-standard.fmi-ls-ref/"
 #: The page wants at most ten important variables, and files of at most 1 MB.
 SHOWN, MOST, LARGEST = {"Position", "Position.x", "MeanNormalForce", "Fp", "Fp.x", "Fp.y"}, 10, 1_000_000
+#: Of the summary.
+SHOWN |= {"area1_density", "area1_squeeze_mean", "area1_squeeze_max", "area1_above", "people_inside"}
 #: The FMUs of a release: NAME, the words of `lemons` without those of the version.
 RELEASED = {
+    "summary": ["pack", "resources/Trial_door", "--interface", "summary", "--area", "door=3,1,5,4", "--until", "5"],
     "push": ["pack", "resources/Trial_push"],
     "door": ["pack", "resources/Trial_door"],
     "decision": ["decide", "resources/Trial_door", "--until", "5"],
 }
 WHAT = {
+    "summary": "Thirty people who leave a room by a door, in a few plain scalars: density and squeeze at the door, speed, a stop.",
     "push": "Five people in a row; the one at the end is pushed, and the push goes through the row.",
     "door": "Thirty people who press through a door into a corridor; forces and torques drive them.",
     "decision": "Where thirty people want to walk: from where they are to the forces that drive them.",

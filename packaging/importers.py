@@ -112,7 +112,9 @@ PROGRAMS = [
 
 def made(lemons: Path, directory: Path) -> list[Path]:
     fmus = []
-    for name, words in {"push": ["pack", PUSH], "decision": ["decide", ROOT / "resources/Trial_door"]}.items():
+    door = ROOT / "resources/Trial_door"
+    all_words = {"push": ["pack", PUSH], "decision": ["decide", door], "summary": ["pack", door, "--interface", "summary"]}
+    for name, words in all_words.items():
         for version in "23":
             fmus.append(directory / f"{name}_fmi{version}.fmu")
             command = [lemons, *words, "--fmi", version, "-o", fmus[-1]]

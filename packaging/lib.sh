@@ -49,12 +49,12 @@ targets() {
     esac
 }
 
-# The crowd's library and the decision's, as they are called there.
+# The libraries of the crowd, the decision and the summary, as they are called there.
 libraries() {
     case $1 in
-        win64) echo crowd_mechanics.dll lemons_decision_fmu.dll ;;
-        darwin64) echo libcrowd_mechanics.dylib liblemons_decision_fmu.dylib ;;
-        *) echo libcrowd_mechanics.so liblemons_decision_fmu.so ;;
+        win64) echo crowd_mechanics.dll lemons_decision_fmu.dll lemons_summary_fmu.dll ;;
+        darwin64) echo libcrowd_mechanics.dylib liblemons_decision_fmu.dylib liblemons_summary_fmu.dylib ;;
+        *) echo libcrowd_mechanics.so liblemons_decision_fmu.so liblemons_summary_fmu.so ;;
     esac
 }
 

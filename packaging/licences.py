@@ -23,7 +23,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-SHIPPED = ["crowd-mechanics", "lemons-decision-fmu", "lemons-cli"]
+SHIPPED = ["crowd-mechanics", "lemons-decision-fmu", "lemons-summary-fmu", "lemons-cli"]
 #: The lab, in the browser.
 IN_PAGES = ["lemons-lab"]
 #: Licences that ask for no more than their text. deny.toml has the same list.

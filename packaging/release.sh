@@ -23,11 +23,12 @@ lemons=$dist/$host/lemons
 # Before FMUs: they hold THIRD-PARTY.txt, too.
 python3 packaging/licences.py "$dist" "${all[@]}" "$page"
 
-crowd=() decision=()
+crowd=() decision=() summary=()
 for platform; do
-    read -r one other <<<"$(libraries "$platform")"
+    read -r one other third <<<"$(libraries "$platform")"
     crowd+=(--binary "$platform=$dist/$platform/$one")
     decision+=(--binary "$platform=$dist/$platform/$other")
+    summary+=(--binary "$platform=$dist/$platform/$third")
 done
 options=(--reference --until 5 --force)
 fmus=()
@@ -38,6 +39,9 @@ for fmi in 2 3; do
     done
     fmus+=("$dist/decision_fmi$fmi.fmu")
     "$lemons" decide resources/Trial_door --fmi $fmi "${decision[@]}" "${options[@]}" -o "${fmus[-1]}"
+    fmus+=("$dist/summary_fmi$fmi.fmu")
+    "$lemons" pack resources/Trial_door --interface summary --area door=3,1,5,4 --fmi $fmi "${summary[@]}" "${options[@]}" \
+        -o "${fmus[-1]}"
 done
 rm -rf "$dist/fmi-examples"
 python3 packaging/examples.py "$dist/fmi-examples" "${fmus[@]}"

@@ -59,7 +59,8 @@ run.export("run.sqlite", to="jupedsim")
 licences = distribution("lemons-fmu").read_text("licenses/THIRD-PARTY.txt")
 assert licences
 lemons("decide", repository / "resources/Trial_door", "-o", "decision.fmu", "--force")
-for name in ("push.fmu", "crowd.fmu", "decision.fmu"):
+lemons("pack", repository / "resources/Trial_door", "--interface", "summary", "-o", "summary.fmu", "--force")
+for name in ("push.fmu", "crowd.fmu", "decision.fmu", "summary.fmu"):
     with zipfile.ZipFile(name) as fmu:
         assert fmu.read("documentation/licenses/THIRD-PARTY.txt").decode() == licences, name
 

@@ -18,7 +18,7 @@
 //!  ┌─────────────┐    ┌───────────┐                    ▼           │ contacts, squeeze
 //!  │    setup    │───►│  engine   │            ┌───────────────────────────┐
 //!  │ reads, warns│    │  World:   │◄──────────►│ model: an FMU's instance  │
-//!  └─────────────┘    │ advance(H)│            │ fmi2, fmi3: C functions   │
+//!  └─────────────┘    │ advance(H)│            │ C functions: crowd-fmu    │
 //!         │           └───────────┘            └───────────────────────────┘
 //!         ▼                                                  ▲
 //!  ┌──────────────────────┐    ┌───────────────────┐         │
@@ -35,22 +35,18 @@
 //! - [`resources`]: from a resource URI to the Trials packed in an FMU
 //! - [`model`]: what an FMU instance simulates
 //! - [`model_description`], [`pack`]: the table as XML, a Trial as an FMU
-//! - [`fmi2`], [`fmi3`]: the C functions of FMI 2.0 and 3.0 (their bodies are in `lemons_fmi`)
-//! - [`c_api`]: the C entry point of the paper's scripts
+//! - [`in_place`]: steps of a Trial in its own files, as the paper's scripts make them
 //! - [`scenes`]: small worlds and Trials, for tests, checks and benchmarks
+//!
+//! crates/crowd-fmu has the C functions.
 
 /// The code of the guide runs as a test.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/guide/rust.md")]
 struct Guide;
 
-#[cfg(feature = "fmu")]
-pub mod c_api;
 pub mod engine;
-#[cfg(feature = "fmu")]
-pub mod fmi2;
-#[cfg(feature = "fmu")]
-pub mod fmi3;
+pub mod in_place;
 pub mod model;
 pub mod model_description;
 #[cfg(feature = "fmu")]

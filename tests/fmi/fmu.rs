@@ -44,7 +44,7 @@ pub struct Fmu {
 pub fn library_path() -> PathBuf {
     let executable = std::env::current_exe().expect("the test's own path");
     let mut places = executable.ancestors().skip(1).take(2).map(|d| d.join("libcrowd_mechanics.so"));
-    places.find(|path| path.is_file()).expect("`cargo test -p crowd-mechanics` builds the library")
+    places.find(|path| path.is_file()).expect("`cargo test -p lemons-crowd` builds the library")
 }
 
 /// Packs the paper's Trial with the built library and unzips the FMU.

@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 import pytest
-from crowd import REPOSITORY
+from crowd import REPOSITORY, TRIAL_DOOR
 
 TIMES = 300  # how many of glibc's 1024 keys for thread-local data are left is counted
 
@@ -52,9 +52,11 @@ for k in range(times):
 """
 
 
-@pytest.mark.parametrize("which", ["crowd", "decision"])
-def test_nothing_is_left_behind(push_fmu, decide, tmp_path, which, row):
+@pytest.mark.parametrize("which", ["crowd", "decision", "summary"])
+def test_nothing_is_left_behind(push_fmu, pack, decide, tmp_path, which, row):
     fmu, times = push_fmu, TIMES
+    if which == "summary":
+        fmu, times = pack(TRIAL_DOOR, options=["--interface", "summary"]), TIMES // 3
     if which == "decision":
         fmu, times = decide(), TIMES // 5
     command = [sys.executable, "-c", LIVES, fmu, tmp_path / "lives", str(times), REPOSITORY / "tests" / "fmpy"]

@@ -54,6 +54,19 @@ def test_load(pack, shared, tmp_path, timed, row, naming):
     row("fmpy", f"1000 people, {naming} names: read, extract, instantiate", "done")
 
 
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_load_summary(pack, shared, tmp_path, timed, row, fmi):
+    """Its description does not grow with the people."""
+    options = ["--interface", "summary", "--area", "all=-50,-50,50,50", "--fmi", fmi]
+    fmu = pack(shared / "data/crowds/dense_1000", options=options)
+    description = timed(f"read_model_description, FMI {fmi}.0, summary", read_model_description, fmu)
+    directory = timed("extract", extract, fmu, tmp_path / "extracted")
+    crowd = timed("instantiate_fmu", instantiate_fmu, directory, description)
+    assert (Path(directory) / "modelDescription.xml").stat().st_size < 30_000
+    crowd.freeInstance()
+    row("fmpy", f"FMI {fmi}.0: the summary FMU of 1000 people: read, extract, instantiate", "done")
+
+
 def test_validate(pack, shared, timed, row):
     """With flat names: of structured ones FMPy parses every name, which takes most of a minute."""
     fmu = pack(shared / "data/crowds/dense_1000", options=["--flat-names"])

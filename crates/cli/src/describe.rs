@@ -1,6 +1,6 @@
-//! `lemons describe`: the model description that a Trial's FMU would have, or its Decision FMU.
+//! `lemons describe`: the model description that a Trial's FMU would have, its Decision FMU, or its summary.
 
-use crate::pack::Fmi;
+use crate::pack::{Fmi, Interface};
 use crate::print;
 use anyhow::Result;
 use crowd_mechanics::model_description::model_description;
@@ -18,19 +18,25 @@ pub struct Arguments {
     trial: PathBuf,
     #[command(flatten)]
     fmi: Fmi,
-    /// Describe the Decision FMU that `lemons decide` makes with these way-points, instead of the crowd's
+    #[command(flatten)]
+    interface: Interface,
+    /// Describe the Decision FMU that `lemons decide` makes with these way-points, instead of the crowd's; with
+    /// --interface summary, that of these people
     #[arg(long, value_name = "FILE.toml")]
     decision: Option<PathBuf>,
 }
 
 pub fn describe(arguments: &Arguments) -> Result<()> {
-    let choice = arguments.decision.clone().map_or(DecisionChoice::None, DecisionChoice::File);
+    let summary = arguments.interface.summary()?;
+    let own = if summary.is_some() { DecisionChoice::Own } else { DecisionChoice::None };
+    let choice = arguments.decision.clone().map_or(own, DecisionChoice::File);
     let given = TrialInput::open(&arguments.trial)?;
     let (documents, ..) = given.documents(&DriveChoice::None, &choice)?;
     let format = arguments.fmi.format(Naming::Structured);
-    let text = match &documents.plan {
-        Some(plan) => description(plan, format),
-        None => model_description(&documents.trial, format),
+    let text = match (&summary, &documents.plan) {
+        (Some(config), _) => lemons_summary::pack::description(documents, config, format)?,
+        (None, Some(plan)) => description(plan, format),
+        (None, None) => model_description(&documents.trial, format),
     };
     Ok(print::out().write_all(text.as_bytes())?)
 }

@@ -1,7 +1,7 @@
 //! `lemons measure`: flow over lines, density in areas, exposure to squeeze. docs/measure.md defines each number.
 
 mod chart;
-mod options;
+pub(crate) mod options;
 mod pass;
 mod summary;
 mod tables;

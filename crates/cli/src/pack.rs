@@ -1,10 +1,12 @@
 //! `lemons pack`: Trials -> FMU.
 
-use crate::binary::{CROWD, Library};
+use crate::binary::{CROWD, Library, SUMMARY};
+use crate::error::Misused;
 use crate::files::{self, ForceOption};
+use crate::measure::options::{Labelled, measuring_area, name_all};
 use crate::values::{duration, positive};
 use crate::version::BUILD;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::builder::PossibleValuesParser;
 use crowd_mechanics::pack::{Binary, FmuFormat, Naming, platforms};
 use lemons_core::files::Staged;
@@ -12,7 +14,10 @@ use lemons_core::trial::{DriveChoice, Trial};
 use lemons_decision::DECISION_FILE;
 use lemons_master::{DecisionChoice, Experiment, TrialInput, add_reference, binaries_beside};
 use lemons_picture::{Fill, PictureScene, Style, png, svg};
+use lemons_results::measure::MeasuringArea;
 use lemons_sim::Documents;
+use lemons_sim::lint::{self, Files};
+use lemons_summary::{AreaConfig, SummaryConfig};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -31,11 +36,62 @@ pub struct Arguments {
     #[command(flatten)]
     fmi: Fmi,
     #[command(flatten)]
+    interface: Interface,
+    #[command(flatten)]
     fmu: FmuArguments,
     #[command(flatten)]
     reference: Reference,
     #[command(flatten)]
     _force: ForceOption,
+}
+
+/// What an FMU offers.
+#[derive(clap::Args)]
+pub struct Interface {
+    /// What the FMU offers: agents (places, drives and forces of each person, of the crowd alone) or summary (at most
+    /// fifty plain scalars of exits, doors, areas and barriers, with the people of decision.toml inside; docs/summary.md)
+    #[arg(long = "interface", value_name = "WHAT", default_value = "agents", value_parser = ["agents", "summary"])]
+    what: String,
+    /// With summary: measure density and squeeze in this area, as in lemons measure. Can be given several times
+    #[arg(long = "area", value_name = "[NAME=]X0,Y0,X1,Y1,…", value_parser = measuring_area, allow_hyphen_values = true)]
+    areas: Vec<Labelled<MeasuringArea>>,
+    /// With summary: count people whose squeeze is above this, in newtons. Default: 623
+    #[arg(long, value_name = "N", value_parser = positive)]
+    above: Option<f64>,
+    /// With summary: the exit that becomes exit1, then that of exit2, and so on. Default: all
+    #[arg(long = "exit", value_name = "NAME")]
+    exits: Vec<String>,
+    /// With summary: the same of walls that open and close, by their Ids. Default: all
+    #[arg(long = "door", value_name = "ID")]
+    doors: Vec<String>,
+    /// With summary: the same of panels of walls, numbered as in barrier[0].Load. Default: all
+    #[arg(long = "panel", value_name = "NUMBER")]
+    panels: Vec<usize>,
+}
+
+impl Interface {
+    /// Returns what of a Trial is in the slots of a summary; `None` if the FMU has all of each person.
+    pub fn summary(&self) -> Result<Option<SummaryConfig>> {
+        let Interface { what, areas, above, exits, doors, panels } = self;
+        let mut areas = areas.clone();
+        name_all("--area", &mut areas)?;
+        let area =
+            |Labelled { name, what }: Labelled<MeasuringArea>| AreaConfig { name, corners: what.numbers() };
+        let config = SummaryConfig {
+            limit: *above,
+            exits: exits.clone(),
+            doors: doors.clone(),
+            panels: panels.clone(),
+            areas: areas.into_iter().map(area).collect(),
+        };
+        match &**what {
+            "summary" => Ok(Some(config)),
+            _ if config == SummaryConfig::default() => Ok(None),
+            _ => {
+                bail!(Misused("--area, --above, --exit, --door, --panel are for --interface summary".into()))
+            }
+        }
+    }
 }
 
 /// Which version of FMI.
@@ -130,6 +186,9 @@ fn parse_binary(text: &str) -> Result<Binary, String> {
 }
 
 pub fn pack(arguments: &Arguments) -> Result<()> {
+    if let Some(config) = arguments.interface.summary()? {
+        return pack_summary(arguments, &config);
+    }
     let binaries = arguments.fmu.binaries(&CROWD)?;
     files::claim_and_try(&arguments.output)?;
     let trials = arguments.trials.iter().map(|path| TrialInput::open(path)).collect::<Result<Vec<_>, _>>()?;
@@ -144,6 +203,28 @@ pub fn pack(arguments: &Arguments) -> Result<()> {
         );
     }
     say_size(&arguments.output)
+}
+
+fn pack_summary(arguments: &Arguments, config: &SummaryConfig) -> Result<()> {
+    let Arguments { output, fmi, fmu, reference, .. } = arguments;
+    let [trial] = &arguments.trials[..] else {
+        bail!(Misused("--interface summary: is of one Trial".into()));
+    };
+    let binaries = fmu.binaries(&SUMMARY)?;
+    let mut file = files::stage(output)?;
+    let given = TrialInput::open(trial)?;
+    let (documents, mut warnings, decision) = given.documents(&DriveChoice::Own, &DecisionChoice::Own)?;
+    warnings.extend(lint::of_documents(
+        &documents,
+        &Files::chosen(given.path(), &DriveChoice::Own, decision.as_deref()),
+    ));
+    warnings.iter().for_each(|warning| note!("{warning}"));
+    let (format, picture) = (fmi.format(fmu.naming()), picture(&documents.trial));
+    lemons_summary::pack::write_fmu(documents.clone(), config, format, &binaries, picture, &mut file)
+        .with_context(|| trial.display().to_string())?;
+    reference.add(&mut file, output, || Ok(documents))?;
+    file.persist().with_context(|| format!("cannot write {}", output.display()))?;
+    say_size(output)
 }
 
 pub fn say_size(output: &Path) -> Result<()> {

@@ -121,6 +121,32 @@ pub struct Act {
     pub active: bool,
 }
 
+/// What somebody outside makes of everybody's wishes, from now on.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Influence {
+    /// Factor of desired speeds.
+    pub speed_factor: f64,
+    /// \[N\] With this force, who wants to get on pushes in addition, in the direction in which they want to walk.
+    pub push: f64,
+    /// Whether everybody wants to stand, as before the start.
+    pub stop: bool,
+    /// \[1/s\] How many people come by all sources that have a rate, each by its share; `None`: as planned.
+    pub arrivals: Option<f64>,
+}
+
+impl Default for Influence {
+    fn default() -> Influence {
+        Influence { speed_factor: 1.0, push: 0.0, stop: false, arrivals: None }
+    }
+}
+
+impl Influence {
+    fn is_sound(&self) -> bool {
+        let possible = |number: f64| number >= 0.0 && number.is_finite();
+        possible(self.speed_factor) && possible(self.push) && self.arrivals.is_none_or(possible)
+    }
+}
+
 /// A crowd that walks.
 #[derive(Debug, Clone)]
 pub struct Decision {
@@ -130,6 +156,9 @@ pub struct Decision {
     agents: Vec<AgentState>,
     /// \[s\] Time since the start.
     time: f64,
+    influence: Influence,
+    /// \[s\] By how much the clock of each source is ahead.
+    ahead: Vec<f64>,
     /// Largest number of way-points of an agent, at least 1.
     most_waypoints: usize,
     /// Group of each agent, if it is in one.
@@ -189,6 +218,8 @@ impl Decision {
             agents,
             time: 0.0,
             passed: vec![0; plan.targets.len()],
+            influence: Influence::default(),
+            ahead: vec![0.0; plan.sources.len()],
             shut: Shut::none(&plan),
             plan,
             fingerprint,
@@ -204,6 +235,21 @@ impl Decision {
         // Who is due at the start comes then.
         decision.let_in(0.0);
         decision
+    }
+
+    /// Returns what its people do.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Influences everybody from now on, and returns whether that is a change.
+    pub fn influence(&mut self, by: Influence) -> bool {
+        let changes = by != self.influence;
+        if changes {
+            self.influence = by;
+            self.forget();
+        }
+        changes
     }
 
     /// Everybody is seen in these motions, in their order; without FMI. Who walks decides at [`Decision::acts`], and
@@ -351,6 +397,10 @@ impl Decision {
             let agent = &self.agents[i];
             agent.walker.lean(&mut drive, agent.velocity, &lean);
         }
+        let ahead = if self.influence.push > 0.0 { self.goes(i) } else { None };
+        if let Some((way, _)) = ahead.filter(|(_, speed)| *speed > 0.0 && self.arrival(i).is_none()) {
+            drive.force = (Vec2::from(drive.force) + way * self.influence.push).into();
+        }
         let mut stands = false;
         if let Some(balance) = self.plan.balance {
             self.decide_legs(&balance);
@@ -386,6 +436,7 @@ impl Decision {
             let mut drive = agent.walker.drive(agent.next(), agent.pose);
             // In front of a closed door, and on slopes.
             let level = self.plan.doors.is_empty() && self.plan.grounds.is_empty();
+            let level = level && self.influence.speed_factor == 1.0;
             if let (false, Some((_, speed))) = (level, self.goes(i)) {
                 let whole = agent.walker.desired_speed;
                 let share = if speed != whole { speed / whole } else { 1.0 };
@@ -415,7 +466,7 @@ impl Decision {
             disks: &self.plan.agents[i].disks,
             direction,
             speed: speed.unwrap_or(0.0),
-            pace: (agent.walker.desired_speed / UNHURRIED).min(1.0),
+            pace: (self.speed(i) / UNHURRIED).min(1.0),
             to_go: self.aims.as_ref().map_or_else(|| self.find_aim(i).to_go, |aims| aims[i].to_go),
             destination: match self.destination(i) {
                 Destination::None => usize::MAX,

@@ -236,12 +236,20 @@ impl Plan {
     /// A sentence with the file: it cannot be read, or what is in it is wrong.
     pub fn read(directory: &Path) -> Result<Plan, String> {
         let (trial, _) = Trial::read(directory).map_err(|problems| problems.to_string())?;
+        Plan::beside(&trial, directory)
+    }
+
+    /// Reads the `decision.toml` of an FMU that contains it beside a Trial that was read.
+    ///
+    /// # Errors
+    /// As [`Plan::read`].
+    pub fn beside(trial: &Trial, directory: &Path) -> Result<Plan, String> {
         let path = directory.join(DECISION_FILE);
         let at = |error: &dyn Display| format!("{}: {error}", path.display());
         let text = input::read_text(&path, input::LARGEST_SETTINGS).map_err(|error| at(&error))?;
         // Ways were looked at when the FMU was packed.
         DecisionConfig::from_toml(&text)
-            .and_then(|config| Plan::without_ways(&trial, &config))
+            .and_then(|config| Plan::without_ways(trial, &config))
             .map_err(|error| at(&error))
     }
 
@@ -306,6 +314,11 @@ impl Plan {
             }
         }
         later
+    }
+
+    /// Returns how many people come per second, by all sources that have a rate; `None` without such.
+    pub fn arrivals(&self) -> Option<f64> {
+        self.sources.iter().filter_map(|source| source.rate).reduce(|a, b| a + b)
     }
 
     /// Returns whether somebody chooses an exit by more than where it is: by the expected time, by what is open, or with

@@ -93,7 +93,7 @@ pub struct Walker {
 pub const UNLIMITED: f64 = 1e9;
 
 /// \[m/s\] No factor makes anybody faster.
-const FASTEST: f64 = 1e9;
+pub(crate) const FASTEST: f64 = 1e9;
 
 /// Change of everybody's motivation during a run; what is not said stays as it is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

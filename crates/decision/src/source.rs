@@ -39,12 +39,26 @@ pub struct Source {
     pub people: Vec<(usize, Vec2)>,
     /// \[s\] When one more is due, in order.
     pub times: Vec<f64>,
+    /// \[1/s\] Mean number per time; `None` of a timetable.
+    pub rate: Option<f64>,
+    /// \[s\] From when on people come at this rate.
+    pub start: f64,
 }
 
 impl Source {
     /// Returns how many are due at a time \[s\]. A rounding error is not a time.
     pub fn due(&self, time: f64) -> usize {
         self.times.partition_point(|due| *due <= time + 1e-9)
+    }
+
+    /// Returns by how much \[s\] its clock is ahead after a step \[s\], if it runs `factor` times as fast since it has begun:
+    /// the arrivals of a Poisson process remain one.
+    pub(crate) fn ahead(&self, before: f64, factor: f64, time: f64, step: f64) -> f64 {
+        let running = time + step - time.max(self.start);
+        match self.rate {
+            Some(_) if running > 0.0 => (before + (factor - 1.0) * running).min(f64::MAX),
+            _ => before,
+        }
     }
 }
 
@@ -121,13 +135,14 @@ pub(crate) fn sources(trial: &Trial, all: &[SourceConfig], seed: u64) -> Result<
         if !names.insert(name.clone()) {
             return Err(PlanError::SameSource { place, name });
         }
-        made.push(Source { name, people, times });
+        let rate = config.rate.or(config.every.map(|every| 1.0 / every));
+        made.push(Source { name, people, times, rate, start: config.start.unwrap_or(0.0) });
     }
     // Who is not there, and of no source, never comes.
     let all = trial.dynamics.iter().enumerate().filter(|(i, own)| own.absent && !taken.contains(i));
     let people: Vec<_> = all.map(|(i, own)| (i, own.velocity)).collect();
     if !people.is_empty() {
-        made.push(Source { name: String::new(), people, times: Vec::new() });
+        made.push(Source { name: String::new(), people, times: Vec::new(), rate: None, start: 0.0 });
     }
     Ok(made)
 }

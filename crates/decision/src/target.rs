@@ -83,6 +83,18 @@ impl Target {
         self.open.as_ref().is_none_or(|open| open.is_open(time))
     }
 
+    /// \[m\] Returns how far it is from a place, in a straight line.
+    pub fn distance(&self, at: Vec2) -> f64 {
+        match self.area() {
+            Some(ring) if ring.contains(at) => 0.0,
+            Some(ring) => ring.nearest(at).distance,
+            None => {
+                let points = self.points();
+                (nearest_on_segment(points[0], points[1], at) - at).norm()
+            }
+        }
+    }
+
     fn points(&self) -> Vec<Vec2> {
         self.corners.iter().map(|&[x, y]| vec2(x, y)).collect()
     }
@@ -143,12 +155,7 @@ pub fn nearest_exit(targets: &[Target], at: Vec2) -> Option<usize> {
         let points = targets[*k].points();
         let middle =
             points.iter().fold(Vec2::zeros(), |sum, point| sum + *point) * (1.0 / points.len() as f64);
-        let away = match targets[*k].area() {
-            Some(ring) if ring.contains(at) => 0.0,
-            Some(ring) => ring.nearest(at).distance,
-            None => (nearest_on_segment(points[0], points[1], at) - at).norm(),
-        };
-        [away.max(NEAR), (middle - at).norm()]
+        [targets[*k].distance(at).max(NEAR), (middle - at).norm()]
     };
     let exits = (0..targets.len()).filter(|k| !targets[*k].stay);
     exits.min_by(|a, b| far(a).partial_cmp(&far(b)).unwrap_or(Ordering::Equal))

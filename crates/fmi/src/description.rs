@@ -90,12 +90,14 @@ const UNKNOWNS: [(&str, IsWanted, Known); 2] = [
     ("InitialUnknown", |role| matches!(role, Role::Calculated | Role::CalculatedParameter), Known::Starts),
 ];
 
-/// Returns the arrays that what is loaded has: all but those of a size of 0.
+/// Returns the variables that what is loaded has: no arrays of a size of 0.
 pub(crate) fn present<M: Model>(model: &M) -> impl Iterator<Item = &'static Variable<M::Quantity>> {
     let sizes: Vec<u64> = (0..M::SIZES.len()).map(|place| model.size(place)).collect();
     let absent =
         move |dimension: &Dimension| matches!(dimension, Dimension::Size(place) if sizes[*place] == 0);
-    M::VARIABLES.iter().filter(move |variable| !variable.dimensions.iter().any(&absent))
+    M::VARIABLES
+        .iter()
+        .filter(move |variable| model.has(variable.quantity) && !variable.dimensions.iter().any(&absent))
 }
 
 fn of_arrays<M: Model>(model: &mut M, packed: &[Packed]) -> Answer<String> {
@@ -131,7 +133,7 @@ fn of_arrays<M: Model>(model: &mut M, packed: &[Packed]) -> Answer<String> {
                 out.empty("UInt64", &attributes);
             }
             for (variable, start) in variables.iter().zip(&starts) {
-                write_array::<M>(out, variable, start.as_deref());
+                write_array(out, model, variable, start.as_deref());
             }
         });
         out.element("ModelStructure", &[], |out| {
@@ -356,9 +358,14 @@ fn write_time(out: &mut XmlWriter) {
     out.empty("Float64", &attributes);
 }
 
-fn write_array<M: Model>(out: &mut XmlWriter, variable: &Variable<M::Quantity>, start: Option<&str>) {
-    let own = value_reference::<M>(variable);
-    let mut attributes = attributes(variable, variable.name, &own, variable.description);
+fn write_array<M: Model>(
+    out: &mut XmlWriter,
+    model: &M,
+    variable: &Variable<M::Quantity>,
+    start: Option<&str>,
+) {
+    let (own, about) = (value_reference::<M>(variable), model.about(variable));
+    let mut attributes = attributes(variable, variable.name, &own, &about);
     if let VariableType::Real(of) = variable.kind {
         attributes.push(("declaredType", of.name));
         // Within a step importers may only read what is continuous and says so; inputs are not set there.
@@ -474,7 +481,7 @@ fn start<M: Model>(
 
 /// Returns `terminalsAndIcons.xml` with a terminal `crowd`, and the icon. A crowd and what drives it are
 /// connected at these terminals: variables with the same names, which are arrays in FMI 3.0 and their elements
-/// in FMI 2.0. Not all need to be there: the matching rule is `bus`.
+/// in FMI 2.0. Not all need to be there: the matching rule is `bus`. Without names there is only the icon.
 pub fn terminals_xml<M: Model>(model: &M, version: Version, description: &str, names: &[&str]) -> String {
     // FMI 2.0 takes this file from FMI 3.0, with its version.
     let root = [("fmiVersion", "3.0")];
@@ -486,6 +493,9 @@ pub fn terminals_xml<M: Model>(model: &M, version: Version, description: &str, n
             out.empty("CoordinateSystem", &system);
             out.empty("Icon", &corners);
         });
+        if names.is_empty() {
+            return;
+        }
         out.element("Terminals", &[], |out| {
             let attributes = [
                 ("name", "crowd"),
@@ -505,7 +515,7 @@ pub fn terminals_xml<M: Model>(model: &M, version: Version, description: &str, n
                         scalars.filter(|of| is_member(of.variable)).for_each(|of| member(&of.name));
                     }
                     Version::V3 => {
-                        M::VARIABLES.iter().filter(|of| is_member(of)).for_each(|of| member(of.name));
+                        present(model).filter(|of| is_member(of)).for_each(|of| member(of.name));
                     }
                 }
             });

@@ -50,7 +50,8 @@ fn rows_html<M: Model>(model: &M, version: Version) -> String {
             Role::CalculatedParameter => "calculated parameter",
         };
         let unit = if let VariableType::Real(of) = variable.kind { of.unit.name } else { "" };
-        let description = escaped(variable.description);
+        let about = model.about(variable);
+        let description = escaped(&about);
         Some(format!("<tr><td>{name}</td><td>{kind}</td><td>{unit}</td><td>{description}</td></tr>\n"))
     };
     present(model).filter_map(row).collect()

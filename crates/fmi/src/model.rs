@@ -5,6 +5,7 @@ use crate::lifecycle::Phase;
 use crate::location::Location;
 use crate::variables::{Dependencies, Known, Scalar, Size, Variable};
 use serde::{Serialize, de::DeserializeOwned};
+use std::borrow::Cow;
 use std::fmt::Debug;
 use uuid::Uuid;
 
@@ -113,6 +114,17 @@ pub trait Model: Sized + Send {
     /// Returns the value of the structural parameter at a place of [`Model::SIZES`] for what is
     /// loaded. Where it is 0, there are no arrays of this size, and the description has none.
     fn size(&self, place: usize) -> u64;
+
+    /// Returns whether what is loaded has a variable without sizes. The description has no other ones, and as of arrays of
+    /// size 0, there are no elements to get or set.
+    fn has(&self, _quantity: Self::Quantity) -> bool {
+        true
+    }
+
+    /// Returns what users read of a variable of what is loaded (FMI 3.0).
+    fn about(&self, variable: &Variable<Self::Quantity>) -> Cow<'static, str> {
+        Cow::Borrowed(variable.description)
+    }
 
     /// Returns the variables of FMI 2.0 for what is loaded. An instance has those of what is loaded first.
     fn scalars(&self) -> Vec<Scalar<Self::Quantity>>;

@@ -204,6 +204,7 @@ pub mod units {
     pub const KILOGRAM_PER_SECOND: Unit = unit("kg/s", 1, 0, -1, 0);
     pub const KILOGRAM: Unit = unit("kg", 1, 0, 0, 0);
     pub const KILOGRAM_METRE_SQUARED: Unit = unit("kg.m2", 1, 2, 0, 0);
+    pub const PER_SQUARE_METRE: Unit = unit("1/m2", 0, -2, 0, 0);
     pub const PER_SECOND: Unit = unit("1/s", 0, 0, -1, 0);
     pub const ONE: Unit = unit("1", 0, 0, 0, 0);
 
@@ -273,6 +274,11 @@ pub mod types {
         of("damping", "TranslationalDampingConstant", KILOGRAM_PER_SECOND, NonNegative, 1e3);
     pub const FRICTION: RealType = of("friction", "CoefficientOfFriction", ONE, NonNegative, 1.0);
     pub const DURATION: RealType = of("duration", "Time", SECOND, NonNegative, 1.0);
+    /// People over time.
+    pub const FLOW: RealType = of("flow", "Frequency", PER_SECOND, NonNegative, 1.0);
+    /// People over an area.
+    pub const DENSITY: RealType = of("density", "NumberPerArea", PER_SQUARE_METRE, NonNegative, 1.0);
+    pub const FACTOR: RealType = of("factor", "Factor", ONE, NonNegative, 1.0);
     pub const COUNT: RealType = of("count", "Count", ONE, Positive, 1.0);
 }
 

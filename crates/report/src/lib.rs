@@ -12,8 +12,9 @@ pub mod sentences;
 
 pub use contents::Told;
 pub use html::html;
+pub use lemons_results::measure::LIMIT;
 pub use pdf::pdf;
-pub use seen::{LIMIT, Moment, RunSeen, Settings};
+pub use seen::{Moment, RunSeen, Settings};
 pub use sentences::ALL as SENTENCES;
 
 use lemons_core::message::Message;

@@ -18,8 +18,6 @@ use lemons_sim::{
 };
 use std::ops::ControlFlow;
 
-/// \[N\] and \[s\] Usual limit of the squeeze, and of which mean: docs/guide/squeeze.md says whose it is.
-pub const LIMIT: (f64, f64) = (623.0, 1.0);
 /// \[s\] Density is looked at so often.
 pub(crate) const SAMPLE: f64 = 1.0;
 /// Times are sums of steps.

@@ -47,6 +47,8 @@ use crate::columns::Effect;
 use lemons_core::plane::{InPlane, Motion};
 use serde::Deserialize;
 
+/// \[N\] and \[s\] Usual limit of the squeeze, and of which mean: docs/guide/squeeze.md says whose it is.
+pub const LIMIT: (f64, f64) = (623.0, 1.0);
 /// \[s\] Times are sums of steps: rounding does not leave a frame out.
 const ROUNDING: f64 = 1e-9;
 

@@ -98,12 +98,13 @@ impl Simulation {
     /// Decision cannot tell them.
     pub fn differing(&mut self) -> Result<Vec<(String, [f64; 2], usize)>, SimError> {
         let Some(decision) = &mut self.decision else { return Ok(Vec::new()) };
+        let variables = decision.variables().clone();
         let mut found: BTreeMap<&str, (String, [f64; 2], usize)> = BTreeMap::new();
-        for (name, of_decision) in &decision.variables {
+        for (name, of_decision) in &variables {
             let (variable, element) = (of_decision.variable, of_decision.element);
             let parameter =
                 variable.role.is_parameter() && matches!(variable.kind, VariableType::Real(_));
-            let Some(of_crowd) = self.crowd.variables.get(name).filter(|_| parameter) else { continue };
+            let Some(of_crowd) = self.crowd.variables().get(name).filter(|_| parameter) else { continue };
             let values = [
                 decision.model.number(variable.quantity, element)?,
                 self.crowd.model.number(of_crowd.variable.quantity, of_crowd.element)?,
@@ -124,9 +125,9 @@ impl Simulation {
 
     /// Returns the names of all variables; those of Decision with their prefix.
     pub fn variables(&self) -> Vec<String> {
-        let decision = self.decision.iter().flat_map(|decision| decision.variables.keys());
+        let decision = self.decision.iter().flat_map(|decision| decision.variables().keys());
         let decision = decision.map(|name| format!("{DECISION}.{name}"));
-        self.crowd.variables.keys().cloned().chain(decision).collect()
+        self.crowd.variables().keys().cloned().chain(decision).collect()
     }
 
     /// Returns the value of a variable; of `agent[*].…` that of the first agent.

@@ -8,7 +8,7 @@ use crowd_mechanics::model::{CrowdModel, SavedCrowd};
 use crowd_mechanics::quantities::CrowdQuantity;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
-use lemons_decision::decision::{Act, SavedDecision, Stance};
+use lemons_decision::decision::{Act, DecisionQuantity, Influence, SavedDecision, Stance};
 use lemons_decision::{Decision, Plan};
 use lemons_fmi::{Model, Phase, Step, fingerprint};
 use lemons_results::columns::Group;
@@ -191,6 +191,19 @@ impl Simulation {
         }
     }
 
+    /// Influences everybody who walks, from now on.
+    ///
+    /// # Errors
+    /// No ways to exits and goals can be found.
+    pub fn influence(&mut self, by: Influence) -> Result<(), SimError> {
+        if let Some(IndexedModel { model, .. }) = &mut self.decision
+            && model.influence(by)
+        {
+            self.acts = model.acts()?;
+        }
+        Ok(())
+    }
+
     /// Takes an agent out, or lets it come back where it was. Of people who walk, Decision says it in each step.
     pub fn set_present(&mut self, agent: usize, present: bool) {
         self.crowd.model.set(CrowdQuantity::Active, agent, present.into(), Phase::StepComplete);
@@ -199,18 +212,23 @@ impl Simulation {
     /// Keeps a door (`door[k]`: the k-th of the walls that open) or an exit (`exit[k]`) shut, or lets it be open at its times,
     /// from the next step on. Those who walk know it. Returns whether there is such a door or exit.
     pub fn set_open(&mut self, name: &str, open: bool) -> bool {
-        let name = format!("{name}.Open");
-        let door =
-            self.crowd.variables.get(&name).filter(|of| of.variable.quantity == CrowdQuantity::DoorOpen);
-        let door = door.map(|of| of.element);
-        if let Some(door) = door {
-            self.crowd.model.set(CrowdQuantity::DoorOpen, door, open.into(), Phase::StepComplete);
+        let parts = name.strip_suffix(']').and_then(|name| name.split_once('['));
+        let Some((thing, Ok(k))) = parts.map(|(thing, k)| (thing, k.parse::<usize>())) else { return false };
+        let walls = &self.trial().geometry.walls;
+        let doors = walls.iter().filter(|wall| wall.open.is_some()).count();
+        let exits = self.decision.as_ref().map_or(0, |decision| decision.model.exits().count());
+        let quantity = match thing {
+            "door" if k < doors => DecisionQuantity::DoorOpen,
+            "exit" if k < exits => DecisionQuantity::ExitOpen,
+            _ => return false,
+        };
+        if quantity == DecisionQuantity::DoorOpen {
+            self.crowd.model.set(CrowdQuantity::DoorOpen, k, open.into(), Phase::StepComplete);
         }
-        let Some(IndexedModel { model, variables }) = &mut self.decision else { return door.is_some() };
-        let Some(of) = variables.get(&name) else { return door.is_some() };
-        let (quantity, element, value) = (of.variable.quantity, of.element, f64::from(open));
-        if model.number(quantity, element).is_ok_and(|before| before != value) {
-            model.set(quantity, element, value, Phase::StepComplete);
+        let Some(IndexedModel { model, .. }) = &mut self.decision else { return true };
+        let value = f64::from(open);
+        if model.number(quantity, k).is_ok_and(|before| before != value) {
+            model.set(quantity, k, value, Phase::StepComplete);
             // They see it at once. If they cannot, the next step says why.
             if let (false, Ok(acts)) = (self.acts.is_empty(), model.acts()) {
                 self.acts = acts;
@@ -281,6 +299,20 @@ impl Simulation {
     pub fn going(&mut self) -> Result<Vec<bool>, SimError> {
         let nobody = vec![false; self.ids.len()];
         Ok(self.decision.as_mut().map_or(Ok(nobody), |decision| decision.model.going())?)
+    }
+
+    /// Returns by which exit everybody wants to leave now ([`Decision::heads`]); nobody if nobody walks.
+    ///
+    /// # Errors
+    /// No ways to exits and goals can be found.
+    pub fn heads(&mut self) -> Result<Vec<Option<usize>>, SimError> {
+        let nobody = vec![None; self.ids.len()];
+        Ok(self.decision.as_mut().map_or(Ok(nobody), |decision| decision.model.heads())?)
+    }
+
+    /// Returns what people do who walk.
+    pub fn plan(&self) -> Option<&Plan> {
+        self.decision.as_ref().map(|decision| decision.model.plan())
     }
 
     /// Returns the value of a parameter of the crowd that is a text.

@@ -5,6 +5,7 @@ use lemons_core::files::words;
 use lemons_fmi::variables::{Known, Scalar, VariableType};
 use lemons_fmi::{Answer, Model, Phase};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::OnceLock;
 
 /// The value of a variable.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,23 +54,29 @@ pub fn meant(unknown: &str, all: impl Iterator<Item = String>) -> Option<String>
 /// A model, and its variables by name.
 pub(crate) struct IndexedModel<M: Model> {
     pub model: M,
-    pub variables: BTreeMap<String, Scalar<M::Quantity>>,
+    /// Made when they are first needed: thousands of names take longer than a crowd.
+    variables: OnceLock<BTreeMap<String, Scalar<M::Quantity>>>,
 }
 
 impl<M: Model> IndexedModel<M> {
     pub fn of(model: M) -> IndexedModel<M> {
-        let scalars = model.scalars().into_iter();
-        IndexedModel { variables: scalars.map(|scalar| (scalar.name.clone(), scalar)).collect(), model }
+        IndexedModel { model, variables: OnceLock::new() }
+    }
+
+    /// Returns the variables by their names.
+    pub fn variables(&self) -> &BTreeMap<String, Scalar<M::Quantity>> {
+        let scalars = || self.model.scalars().into_iter();
+        self.variables.get_or_init(|| scalars().map(|scalar| (scalar.name.clone(), scalar)).collect())
     }
 
     /// Returns the variables that a name stands for; `None` if one of them is unknown.
     pub fn find(&self, name: &str) -> Option<Vec<Scalar<M::Quantity>>> {
-        let all = expanded(name, |name| self.variables.contains_key(name));
-        all.iter().map(|name| self.variables.get(name).cloned()).collect()
+        let all = expanded(name, |name| self.variables().contains_key(name));
+        all.iter().map(|name| self.variables().get(name).cloned()).collect()
     }
 
     pub fn meant(&self, name: &str) -> Option<String> {
-        meant(name, self.variables.keys().cloned())
+        meant(name, self.variables().keys().cloned())
     }
 
     /// Sets variables to the value that a text means, before initialization.

@@ -2,7 +2,8 @@
 
 use super::Decision;
 use crate::door;
-use crate::target::{Arrival, Destination, Ways};
+use crate::rule::FASTEST;
+use crate::target::{Arrival, Destination, Ways, nearest_exit};
 use lemons_core::plane::{InPlane, Vec2, rotation, segments_cross, vec2};
 use lemons_fmi::Answer;
 
@@ -31,7 +32,7 @@ impl Decision {
         let aims = self.aims.as_deref().unwrap_or_default();
         let going = |i: usize| {
             let agent = &self.agents[i];
-            let walks = self.has_started(i) && !agent.waits() && agent.walker.desired_speed > 0.0;
+            let walks = self.has_started(i) && !agent.waits() && self.speed(i) > 0.0;
             let there = agent.next() == agent.walker.waypoints.len();
             let open = match self.destination(i) {
                 Destination::None => false,
@@ -89,10 +90,38 @@ impl Decision {
         !self.agents[i].came || self.arrival(i) == Some(Arrival::Leaves)
     }
 
+    /// \[m/s\] The desired speed of an agent, as it is influenced.
+    pub(super) fn speed(&self, i: usize) -> f64 {
+        let own = self.agents[i].walker.desired_speed;
+        (own * self.influence.speed_factor).min(FASTEST.max(own))
+    }
+
+    /// Returns by which exit everybody wants to leave who is there, wants to walk, and has no way-point ahead: of who has
+    /// chosen none, the [`nearest_exit`].
+    ///
+    /// # Errors
+    /// Those of [`Decision::acts`].
+    pub fn heads(&mut self) -> Answer<Vec<Option<usize>>> {
+        self.find_ways()?;
+        self.find_aims();
+        let head = |i: usize| {
+            let agent = &self.agents[i];
+            let walks = self.has_started(i) && !self.is_away(i);
+            let exit = match self.destination(i) {
+                Destination::None => None,
+                Destination::NearestExit => nearest_exit(&self.plan.targets, agent.at()),
+                Destination::Target(k) => Some(k).filter(|k| !self.plan.targets[*k].stay),
+            };
+            exit.filter(|_| walks && agent.next() == agent.walker.waypoints.len())
+        };
+        Ok((0..self.agents.len()).map(head).collect())
+    }
+
     /// Returns whether an agent walks by now; a group starts when the last one of it does. A rounding error is not a time.
     pub(super) fn has_started(&self, i: usize) -> bool {
         let starts = |i: usize| self.time >= self.agents[i].walker.start - 1e-9;
         self.agents[i].came
+            && !self.influence.stop
             && self.group(i).map_or_else(|| starts(i), |group| group.iter().all(|&j| starts(j)))
     }
 
@@ -131,7 +160,7 @@ impl Decision {
             let way = vec2(waypoint.x, waypoint.y) - agent.at();
             let share =
                 way.unit(0.0).map(|direction| (direction, self.share_before_door(i, direction, way.norm())));
-            let goes = share.map(|(way, share)| (way, share.unwrap_or(1.0) * agent.walker.desired_speed));
+            let goes = share.map(|(way, share)| (way, share.unwrap_or(1.0) * self.speed(i)));
             let to_door = share.is_some_and(|(_, share)| share.is_some());
             return Aim { goes, to_go: self.to_go(i, destination), to_door, ..nowhere };
         }
@@ -145,7 +174,7 @@ impl Decision {
         let turned = |way: Vec2| if turn == 0.0 { way } else { rotation(turn) * way };
         let before_door = leg.direction.and_then(|way| self.share_before_door(i, way, leg.distance));
         let share = before_door.map_or(leg.share, |share| share.min(leg.share));
-        let goes = leg.direction.map(|way| (turned(way), share * agent.walker.desired_speed));
+        let goes = leg.direction.map(|way| (turned(way), share * self.speed(i)));
         Aim { arrival, goes, to_go: leg.distance, to_door: before_door.is_some() }
     }
 

@@ -60,7 +60,7 @@ impl Decision {
                 Offer { target, distance, width, open: self.times_of_exit(target), doors, time_factor }
             });
             let all: Vec<Offer<'_>> = offers.collect();
-            let Some(exit) = queues.change(own, self.agents[i].walker.desired_speed, now, &all) else {
+            let Some(exit) = queues.change(own, self.speed(i), now, &all) else {
                 continue;
             };
             self.change_exit(i, exit);
@@ -129,7 +129,7 @@ impl Decision {
             let open = self.times_of_exit(target).filter(|open| !open.is_open(time));
             let offer =
                 Offer { target, distance, width: f64::INFINITY, open, doors: &doors, time_factor: 1.0 };
-            let first = offer.time(self.agents[i].walker.desired_speed, time, 0.0);
+            let first = offer.time(self.speed(i), time, 0.0);
             (target, if self.is_full(target) { f64::INFINITY } else { first }, distance)
         });
         let first = by_each.min_by(|a, b| a.1.total_cmp(&b.1).then(a.2.total_cmp(&b.2)));

@@ -2,7 +2,7 @@
 
 use super::openings::Shut;
 use super::quantities::{self, DecisionQuantity};
-use super::{AgentState, Decision};
+use super::{AgentState, Decision, Influence};
 use crate::config::DECISION_FILE;
 use crate::plan::Plan;
 use crate::walking_model::DesiredMotion;
@@ -22,6 +22,8 @@ pub struct SavedDecision {
     time: f64,
     /// See [`Decision`].
     passed: Vec<usize>,
+    influence: Influence,
+    ahead: Vec<f64>,
     shut: Shut,
     wanted: Option<Vec<DesiredMotion>>,
 }
@@ -42,7 +44,7 @@ impl Model for Decision {
     const DESCRIPTION: &'static str =
         "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 12;
+    const STATE_VERSION: u32 = 13;
     const SIZES: &'static [Size] = &quantities::SIZES;
     const VARIABLES: &'static [Variable<DecisionQuantity>] = &quantities::QUANTITIES;
 
@@ -162,6 +164,8 @@ impl Model for Decision {
             fingerprint: self.fingerprint,
             time: self.time,
             passed: self.passed.clone(),
+            influence: self.influence,
+            ahead: self.ahead.clone(),
             shut: self.shut.clone(),
             agents: self.agents.clone(),
             wanted: self.wanted.clone(),
@@ -170,7 +174,8 @@ impl Model for Decision {
 
     fn restore(&mut self, saved: &SavedDecision) -> Answer<()> {
         const IMPOSSIBLE: &str = "it has other agents or way-points, or impossible values";
-        let SavedDecision { fingerprint, agents: saved, time, passed, shut, wanted } = saved;
+        let SavedDecision { fingerprint, agents: saved, time, passed, influence, ahead, shut, wanted } =
+            saved;
         if *fingerprint != self.fingerprint {
             return refuse("the state belongs to another model, with another Trial or decision.toml");
         }
@@ -192,6 +197,9 @@ impl Model for Decision {
         };
         if !time.is_finite()
             || passed.len() != self.passed.len()
+            || !influence.is_sound()
+            || ahead.len() != self.ahead.len()
+            || !ahead.iter().all(|ahead| ahead.is_finite())
             || !shut.fits(&self.plan)
             || wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len())
         {
@@ -211,6 +219,8 @@ impl Model for Decision {
         }
         (self.agents, self.time) = (restored.agents, *time);
         self.passed.clone_from(passed);
+        self.influence = *influence;
+        self.ahead.clone_from(ahead);
         self.restore_shut(shut);
         self.forget();
         self.wanted.clone_from(wanted);

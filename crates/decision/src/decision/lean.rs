@@ -42,7 +42,7 @@ impl Decision {
             let (walking, agent) = (walking.as_ref()?, &self.agents[i]);
             let direction = walking.direction?;
             // Who is there, or does not want to walk, does not lean; nor does who gives way.
-            let wants = agent.walker.desired_speed > 0.0 && self.arrival(i).is_none();
+            let wants = self.speed(i) > 0.0 && self.arrival(i).is_none();
             if !wants || agent.stuck.action(direction, walking.speed) != StuckAction::Walk {
                 return None;
             }

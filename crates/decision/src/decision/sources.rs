@@ -10,10 +10,15 @@ impl Decision {
     /// Lets those in who are due after a step \[s\] and find room, source after source. Of a source, those who have not come are
     /// asked in their order. Returns whether somebody comes.
     pub(super) fn let_in(&mut self, step: f64) -> bool {
+        let wanted = self.influence.arrivals.zip(self.plan.arrivals());
+        let factor = wanted.map_or(1.0, |(wanted, planned)| wanted / planned);
+        for (source, ahead) in self.plan.sources.iter().zip(&mut self.ahead) {
+            *ahead = source.ahead(*ahead, factor, self.time, step);
+        }
         let mut new = Vec::new();
-        for source in &self.plan.sources {
+        for (source, ahead) in self.plan.sources.iter().zip(&self.ahead) {
             let came = source.people.iter().filter(|(i, _)| self.agents[*i].came).count();
-            let mut due = source.due(self.time + step).saturating_sub(came);
+            let mut due = source.due(self.time + step + ahead).saturating_sub(came);
             let wait = source.people.iter().filter(|(i, _)| !self.agents[*i].came).take(ASKED);
             for &(i, velocity) in wait {
                 if due > 0 && self.has_room(i, &new, step) {

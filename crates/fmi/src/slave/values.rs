@@ -27,8 +27,9 @@ impl<M: Model> Slave<M> {
         if self.version == Version::V2 {
             return Ok(1);
         }
-        let mut length = 1;
-        for dimension in self.array(reference).map_or(&[][..], |array| array.dimensions) {
+        let Some(array) = self.array(reference) else { return Ok(1) };
+        let mut length = usize::from(self.model.has(array.quantity));
+        for dimension in array.dimensions {
             length *= match *dimension {
                 Dimension::Fixed(size) => size as usize,
                 Dimension::Size(place) => {

@@ -8,8 +8,12 @@ use fmi_rs::fmi3::native::{NativeLibrary, PLATFORM_TUPLE};
 use fmi_rs::fmi3::types::fmi3Status;
 use fmi_rs::fmi3::{FMU3, log::Logger as Logger3};
 use fmi_rs::model_description::fmi3::{self, ModelDescription};
-use lemons_master::Fmu;
+use lemons_core::trial::DriveChoice;
 use lemons_master::ssp::{Causality, FmiType};
+use lemons_master::{DecisionChoice, Fmu, TrialInput, binary_beside};
+use lemons_summary::{AreaConfig, SummaryConfig};
+use std::fs::File;
+use std::path::Path;
 use std::ptr::null_mut;
 use std::sync::Arc;
 use tempfile::TempDir;
@@ -165,5 +169,57 @@ fn both_run_both_versions_to_the_same_bits() {
     assert_eq!(other_2.freeFMUstate(&raw mut state), fmi2Status::Ok);
     assert!(bytes == other, "the states are the same bytes");
     own_2.restore(&other).unwrap();
+    assert_eq!(other_3.terminate(), fmi3Status::Ok);
+}
+
+/// Of a room with a door, with who walks there inside: both importers and both versions, and an input.
+#[test]
+fn both_run_a_summary_of_both_versions_to_the_same_bits() {
+    let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_door");
+    let (documents, ..) =
+        TrialInput::open(&room).unwrap().documents(&DriveChoice::Own, &DecisionChoice::Own).unwrap();
+    let areas = vec![AreaConfig { name: "door".into(), corners: vec![2.0, 1.0, 5.0, 4.0] }];
+    let config = SummaryConfig { areas, ..SummaryConfig::default() };
+    let directory = TempDir::new().unwrap();
+    let [fmu_2, fmu_3] = [FmuFormat::default(), FmuFormat::Fmi3].map(|format| {
+        let path = directory.path().join("summary.fmu");
+        let (library, file) = (binary_beside("lemons_summary_fmu").unwrap(), File::create(&path).unwrap());
+        lemons_summary::pack::write_fmu(documents.clone(), &config, format, &[library], None, file).unwrap();
+        Fmu::open(&path).unwrap()
+    });
+    let names = ["area1_density", "area1_squeeze_mean", "area1_squeeze_95", "area1_squeeze_max"];
+    let own = [&fmu_2, &fmu_3].map(|fmu| fmu.instantiate("own").unwrap());
+    own.iter().for_each(|own| own.initialize().unwrap());
+    let (other_2, (description, other_3)) = (theirs_2(&fmu_2), theirs_3(&fmu_3));
+    let of_2 = |name: &&str| fmu_2.description.variable(name).unwrap().reference;
+    let of_3 = |name: &&str| description.variable_by_name(name).unwrap().valueReference;
+    let (references_2, references_3) = (names.each_ref().map(of_2), names.each_ref().map(of_3));
+    let mut greatest = 0.0_f64;
+    for k in 0..40_u32 {
+        let (time, step, push) = (f64::from(k) / 16.0, 1.0 / 16.0, if k < 20 { 0.0 } else { 150.0 });
+        let (mut no, mut reached, mut seen) = ([true; 3], f64::NAN, [[f64::NAN; 4]; 2]);
+        let [event, terminate, early] = &mut no;
+        let done = [
+            other_3.setFloat64(&[of_3(&"push")], &[push]),
+            other_3.doStep(time, step, true, event, terminate, early, &mut reached),
+            other_3.getFloat64(&references_3, &mut seen[0]),
+        ];
+        assert_eq!(done, [fmi3Status::Ok; 3]);
+        let done = [
+            other_2.setReal(&[of_2(&"push")], &[push]),
+            other_2.doStep(time, step, 1),
+            other_2.getReal(&references_2, &mut seen[1]),
+        ];
+        assert_eq!(done, [fmi2Status::Ok; 3]);
+        assert_eq!(bits(&seen[0]), bits(&seen[1]), "step {k}");
+        for own in &own {
+            own.set(&own.select(["push"]).unwrap(), &[push]).unwrap();
+            own.step(time, step).unwrap();
+            let values = own.values::<f64>(&own.select(names).unwrap()).unwrap();
+            assert_eq!(bits(&values), bits(&seen[0]), "step {k}");
+        }
+        greatest = greatest.max(seen[0][3]);
+    }
+    assert!(greatest > 100.0, "they touch");
     assert_eq!(other_3.terminate(), fmi3Status::Ok);
 }

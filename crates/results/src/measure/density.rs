@@ -54,10 +54,20 @@ impl MeasuringArea {
         self.0.area()
     }
 
+    /// Returns the corners as [`MeasuringArea::of_numbers`] wants them \[m\].
+    pub fn numbers(&self) -> Vec<f64> {
+        self.0.corners().iter().flat_map(|corner| [corner.x, corner.y]).collect()
+    }
+
+    /// Returns whether a place \[m\] is in it.
+    pub fn contains(&self, place: Vec2) -> bool {
+        self.0.contains(place)
+    }
+
     /// Measures a frame. `room` is where people can be, which Voronoi cells need.
     pub fn measure(&self, frame: &Frame, room: Option<&VoronoiRoom>) -> Density {
         let there: Vec<_> = (0..frame.agents.len()).filter_map(|agent| present(frame, agent)).collect();
-        let inside = there.iter().filter(|motion| self.0.contains(motion.pose.position));
+        let inside = there.iter().filter(|motion| self.contains(motion.pose.position));
         let speeds: Vec<f64> = inside.map(|motion| motion.twist.velocity.norm()).collect();
         let count = speeds.len();
         // Of trajectories, the speed of somebody may not be known.

@@ -2,10 +2,10 @@
 
 use crate::Frame;
 use lemons_core::plane::{Bounds, Vec2};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Finds people who have left. It is given all frames in the order of time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Departures {
     /// \[s\] Of each person who is gone, the first frame without it.
     times: Vec<Option<f64>>,
@@ -53,6 +53,11 @@ impl Departures {
         for (place, agent) in frame.present() {
             self.places[place] = Some(agent.pose.position);
         }
+    }
+
+    /// Returns of each person who is gone, when \[s\] the first frame without it was.
+    pub fn times(&self) -> &[Option<f64>] {
+        &self.times
     }
 
     /// Returns who has left; `None` if no frame says who is there.

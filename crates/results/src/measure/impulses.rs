@@ -1,11 +1,12 @@
 //! Everybody's impulse of the squeeze over time, and its means over spans of time.
 
 use crate::measure::ROUNDING;
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// Everybody's mean squeeze over spans of time, from the impulse of each person up to each communication point. Between
 /// two points it is linear: within a step the squeeze counts as its mean.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MovingMeans {
     /// \[s\] Communication points, back to one that is as long ago as what is kept; \[N s\] of each person, up to there.
     points: VecDeque<(f64, Vec<f64>)>,

@@ -2,7 +2,7 @@
 
 use crate::fuzz::models::{small_trial, walkers};
 use crate::fuzz::show_panics;
-use crowd_mechanics::c_api::{CallError, advance_files};
+use crowd_mechanics::in_place::{CallError, advance_files};
 use crowd_mechanics::model_description::model_description;
 use crowd_mechanics::pack::FmuFormat;
 use crowd_mechanics::quantities::scalars;

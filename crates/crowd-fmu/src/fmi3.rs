@@ -5,4 +5,4 @@
 #![allow(clippy::missing_safety_doc)] // FMI's contract: see `lemons_fmi::calls`
 #![allow(clippy::too_many_arguments)] // FMI's signatures
 
-lemons_fmi::export_fmi3!(crate::model::CrowdModel);
+lemons_fmi::export_fmi3!(lemons_crowd::model::CrowdModel);

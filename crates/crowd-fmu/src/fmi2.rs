@@ -4,4 +4,4 @@
 #![allow(non_snake_case)] // FMI's own names
 #![allow(clippy::missing_safety_doc)] // FMI's contract: see `lemons_fmi::calls`
 
-lemons_fmi::export_fmi2!(crate::model::CrowdModel);
+lemons_fmi::export_fmi2!(lemons_crowd::model::CrowdModel);

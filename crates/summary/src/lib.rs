@@ -1,0 +1,207 @@
+//! A crowd and who decides where its people walk as one FMU with a few scalars, for tools that connect no thousands of
+//! variables: FMI 2.0 or 3.0 (docs/summary.md). People are inside, and in the state.
+//!
+//! It simulates as `lemons run` does ([`lemons_sim::Simulation`], Jacobi), and its outputs are what `lemons measure` says of the
+//! same frames. The modules; each imports only from those above it:
+//!
+//! - [`quantities`]: the table of variables
+//! - [`config`]: what of a Trial is in which slot
+//! - [`Summary`]: the simulation, and what is seen of it
+//! - `fmi`: it as the model of an FMU
+//! - [`pack`]: writes an `.fmu`: its resources are a Trial directory with a `decision.toml` and a `summary.toml`
+
+pub mod config;
+mod fmi;
+pub mod pack;
+pub mod quantities;
+
+pub use config::{AreaConfig, SUMMARY_FILE, SummaryConfig, SummaryError};
+pub use fmi::SavedSummary;
+
+use config::Slots;
+use lemons_decision::decision::Influence;
+use lemons_decision::target::nearest_exit;
+use lemons_results::Frame;
+use lemons_results::measure::{Across, Departures, LIMIT, MovingMeans, Window, present, quantile, squeeze};
+use lemons_sim::{Algorithm, Documents, SimError, Simulation};
+use quantities::{FLOW_OVER, QUANTITIES, QUEUE_NEAR, QUEUE_SLOW, SummaryQuantity, What};
+use serde::{Deserialize, Serialize};
+
+/// A crowd, and what is seen of it.
+pub struct Summary {
+    simulation: Simulation,
+    slots: Slots,
+    /// Of all variables, in the order of the table.
+    values: Vec<f64>,
+    /// Since initialization.
+    seen: Option<Seen>,
+    /// \[m\] See [`Simulation::begin`].
+    tolerance: Option<f64>,
+    /// Whether the values of the start are known before initialization.
+    peeked: bool,
+}
+
+/// What outputs need of earlier communication points.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Seen {
+    /// \[s\]
+    start: f64,
+    departures: Departures,
+    squeezes: MovingMeans,
+}
+
+impl Summary {
+    /// Makes it at the start of documents.
+    ///
+    /// # Errors
+    /// [`SummaryError`]
+    pub fn new(documents: Documents, config: &SummaryConfig) -> Result<Summary, SummaryError> {
+        let slots = config.slots(&documents)?;
+        let simulation = Simulation::new(documents, Algorithm::Jacobi)?;
+        let values = vec![0.0; QUANTITIES.len()];
+        let mut made = Summary { simulation, slots, values, seen: None, tolerance: None, peeked: false };
+        made.forget();
+        Ok(made)
+    }
+
+    /// Returns to the values before initialization.
+    fn forget(&mut self) {
+        (self.seen, self.tolerance, self.peeked) = (None, None, false);
+        let arrivals = self.simulation.plan().and_then(|plan| plan.arrivals());
+        for (value, row) in self.values.iter_mut().zip(&QUANTITIES) {
+            *value = match row.quantity.what {
+                What::SpeedFactor | What::ExitOpen | What::DoorOpen => 1.0,
+                What::Arrivals => arrivals.unwrap_or_default(),
+                _ => 0.0,
+            };
+        }
+    }
+
+    /// Begins at a time \[s\].
+    fn begin(&mut self, start: f64) -> Result<(), SimError> {
+        self.simulation.begin(start, self.tolerance)?;
+        let departures = Departures::of(self.simulation.ids().len());
+        self.seen = Some(Seen { start, departures, squeezes: MovingMeans::over(LIMIT.1) });
+        self.see()
+    }
+
+    /// Steps to a time \[s\] under the present inputs.
+    fn step_to(&mut self, time: f64) -> Result<(), SimError> {
+        let input = |what, slot| self.values[SummaryQuantity { what, slot }.place()];
+        let arrivals = self.has(What::Arrivals, 0).then(|| input(What::Arrivals, 0));
+        let influence = Influence {
+            speed_factor: input(What::SpeedFactor, 0),
+            push: input(What::Push, 0),
+            stop: input(What::Stop, 0) != 0.0,
+            arrivals,
+        };
+        self.simulation.influence(influence)?;
+        for (quantity, name) in &self.slots.operated {
+            self.simulation.set_open(name, self.values[quantity.place()] != 0.0);
+        }
+        self.simulation.step_to(time)?;
+        self.see()
+    }
+
+    /// Returns whether what is loaded has this.
+    fn has(&self, what: What, slot: usize) -> bool {
+        let plan = self.simulation.plan();
+        match (what, self.slots.names(what)) {
+            (_, Some(names)) => slot < names.len(),
+            (What::SpeedFactor | What::Push | What::Stop, _) => plan.is_some(),
+            (What::Arrivals, _) => plan.is_some_and(|plan| plan.arrivals().is_some()),
+            (What::PeopleFallen, _) => plan.is_some_and(|plan| plan.balance.is_some()),
+            _ => true,
+        }
+    }
+
+    /// Sees the present communication point: outputs follow.
+    fn see(&mut self) -> Result<(), SimError> {
+        let (frame, heads) = (self.simulation.frame(), self.simulation.heads()?);
+        let Some(Seen { start, departures, squeezes }) = &mut self.seen else { return Ok(()) };
+        departures.add(&frame);
+        let of_step = |agent| squeeze(&frame, agent, None).map(|(mean, _)| mean);
+        let means = squeezes.add(frame.time, (0..frame.agents.len()).map(of_step));
+        let targets = self.simulation.plan().map_or(&[][..], |plan| &plan.targets);
+        // When and by which exit people have left.
+        let gone: Vec<(f64, Option<usize>)> = departures
+            .times()
+            .iter()
+            .zip(&frame.agents)
+            .filter_map(|(time, motion)| Some(((*time)?, nearest_exit(targets, motion.pose.position))))
+            .collect();
+        let squeezes: Vec<Squeezes> = self
+            .slots
+            .areas
+            .iter()
+            .map(|area| Squeezes::of(&frame, means.as_deref(), |at| area.contains(at)))
+            .collect();
+        let queues = |exit: usize| {
+            let here = frame.present().filter(|(agent, motion)| {
+                heads[*agent] == Some(exit)
+                    && motion.twist.velocity.norm() < QUEUE_SLOW
+                    && targets[exit].distance(motion.pose.position) <= QUEUE_NEAR
+            });
+            here.count()
+        };
+        for (row, value) in QUANTITIES.iter().zip(&mut self.values) {
+            let SummaryQuantity { what, slot } = row.quantity;
+            let filled = self.slots.names(what).is_none_or(|names| slot < names.len());
+            if !filled || row.quantity.is_input() {
+                continue;
+            }
+            let by = |since: f64| {
+                let exit = Some(self.slots.exits[slot]);
+                gone.iter().filter(|(time, by)| *time > since && *by == exit).count()
+            };
+            let squeezed = || &squeezes[slot].0;
+            *value = match what {
+                What::ExitLeft => by(f64::NEG_INFINITY) as f64,
+                What::ExitFlow => {
+                    let (from, until) = ((frame.time - FLOW_OVER).max(*start), frame.time);
+                    let window = Window { from, until, count: by(from) };
+                    if until > from { window.flow() } else { 0.0 }
+                }
+                What::ExitQueue => queues(self.slots.exits[slot]) as f64,
+                What::AreaDensity => self.slots.areas[slot].measure(&frame, None).density,
+                What::AreaSqueezeMean => Across::Mean.of(squeezed().iter().copied()).unwrap_or_default(),
+                What::AreaSqueeze95 => quantile(squeezed(), 0.95).unwrap_or_default(),
+                What::AreaSqueezeMax => squeezed().last().copied().unwrap_or_default(),
+                What::AreaAbove => {
+                    squeezed().iter().filter(|squeeze| **squeeze > self.slots.limit).count() as f64
+                }
+                What::BarrierLoad => {
+                    let world = self.simulation.world();
+                    world.map_or(0.0, |world| world.panel_loads(self.slots.panels[slot]).0)
+                }
+                What::PeopleLeft => departures.left().map_or(0, |left| left.people) as f64,
+                What::PeopleInside => frame.present().count() as f64,
+                What::PeopleFallen => frame.legs.iter().flatten().filter(|legs| legs.fallen).count() as f64,
+                _ => continue,
+            };
+        }
+        Ok(())
+    }
+}
+
+/// \[N\] Mean squeezes of those who are in an area, ascending; of nobody before means are known.
+struct Squeezes(Vec<f64>);
+
+impl Squeezes {
+    fn of(
+        frame: &Frame,
+        means: Option<&[f64]>,
+        is_in: impl Fn(lemons_core::plane::Vec2) -> bool,
+    ) -> Squeezes {
+        let of_those =
+            means.unwrap_or_default().iter().enumerate().filter(|(agent, _)| {
+                present(frame, *agent).is_some_and(|motion| is_in(motion.pose.position))
+            });
+        let mut all: Vec<f64> = of_those.map(|(_, mean)| *mean).collect();
+        all.sort_by(f64::total_cmp);
+        Squeezes(all)
+    }
+}
+
+#[cfg(test)]
+mod tests;
