@@ -42,6 +42,8 @@ pub struct CrowdModel {
     undriven: BTreeSet<usize>,
     /// Places of the agents who have left or come back since the last step.
     moved: BTreeSet<usize>,
+    /// Whether tunable parameters were set since the last step: the world does not have them yet.
+    tuned: bool,
     /// Made when initialization ends, or earlier if a computed output is read. While an importer looks ahead, it is there.
     world: Option<World>,
     /// While an importer looks ahead: the world at the beginning of the step.
@@ -69,6 +71,7 @@ impl CrowdModel {
             played: BTreeSet::new(),
             undriven: BTreeSet::new(),
             moved: BTreeSet::new(),
+            tuned: false,
             world: None,
             start: None,
             warnings: Vec::new(),
@@ -170,6 +173,22 @@ impl CrowdModel {
             self.world = Some(world);
         }
         Ok(self.world.as_mut().expect("made above"))
+    }
+
+    /// Gives the world the tunable parameters that were set since the last step. Poses, motions and springs stay; forces, and
+    /// what springs hold, follow from the new laws.
+    fn retune(&mut self) -> Answer<()> {
+        if !self.tuned {
+            return Ok(());
+        }
+        let Some(running) = self.running() else { return Ok(()) };
+        self.settings.choose_step(&mut self.trial, &self.packed.trial);
+        let mut world = Setup::of(&self.trial).world()?;
+        self.run_on(&mut world, &running, self.settings.threads)?;
+        (self.world, self.tuned) = (Some(world), false);
+        let advice = Setup::of(&self.trial).advice_as_edited();
+        self.warnings.extend(advice.iter().map(|problem| format!("{problem:#}")));
+        Ok(())
     }
 
     /// Takes those out of a new world whom the importer says not to be there at the start, and puts those in who are.

@@ -218,11 +218,11 @@ quantities! {
     FloorDamping: AGENTS, Real(RATE), .parameter(NonNegative, "relaxation rate of the velocity, 1/t_transl");
     AngularDamping: AGENTS, Real(RATE),
         .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot");
-    YoungModulus: MATERIALS, Real(MODULUS), .parameter(Positive, "2D Young modulus E; E < 4 G");
-    ShearModulus: MATERIALS, Real(MODULUS), .parameter(Positive, "2D shear modulus G");
-    GammaNormal: PAIRS, Real(DAMPING), .parameter(NonNegative, "damping along the normal");
-    GammaTangential: PAIRS, Real(DAMPING), .parameter(NonNegative, "damping along the tangent");
-    KineticFriction: PAIRS, Real(FRICTION), .parameter(NonNegative, "Coulomb's coefficient");
+    YoungModulus: MATERIALS, Real(MODULUS), .parameter(Positive, "2D Young modulus E; E < 4 G").tunable();
+    ShearModulus: MATERIALS, Real(MODULUS), .parameter(Positive, "2D shear modulus G").tunable();
+    GammaNormal: PAIRS, Real(DAMPING), .parameter(NonNegative, "damping along the normal").tunable();
+    GammaTangential: PAIRS, Real(DAMPING), .parameter(NonNegative, "damping along the tangent").tunable();
+    KineticFriction: PAIRS, Real(FRICTION), .parameter(NonNegative, "Coulomb's coefficient").tunable();
     AgentId: AGENTS, String, .calculated_parameter("Ids of the agents").initially_on(&[Trial]);
     MaterialId: MATERIALS, String, .calculated_parameter("Ids of the materials").initially_on(&[Trial]);
 }

@@ -120,6 +120,10 @@ impl Model for CrowdModel {
             CrowdQuantity::DoorOpen => {
                 self.settings.elements.insert((quantity, element), value);
             }
+            _ if quantity.row().role == Role::Tunable && phase == Phase::StepComplete => {
+                self.edit(quantity, element, value);
+                self.tuned = true;
+            }
             _ => {
                 self.take_over(quantity, element);
                 match self.world.as_mut().and_then(|world| input(world, quantity, element)) {
@@ -218,6 +222,7 @@ impl Model for CrowdModel {
 
     fn look_ahead(&mut self, from: f64, so_far: f64, point: f64) -> Answer<()> {
         if so_far == 0.0 {
+            self.retune()?;
             self.start.clone_from(&self.world);
             self.play(from);
             self.open_and_close(from, false)?;
@@ -233,6 +238,7 @@ impl Model for CrowdModel {
             self.world = Some(start);
         }
         self.make_world().map_err(StepError::Refused)?;
+        self.retune().map_err(StepError::Refused)?;
         self.few_steps(length).map_err(StepError::Refused)?;
         // The importer's time, which may differ from ours by rounding.
         self.play(from);

@@ -26,7 +26,7 @@ pub struct SavedCrowd {
 
 /// The state that determines the future of a running world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Running {
+pub(super) struct Running {
     drive: Vec<Wrench>,
     /// Places of the agents whom the packed drive drives. What it says follows from the time.
     played: BTreeSet<usize>,
@@ -48,22 +48,38 @@ impl CrowdModel {
             trial: self.packed.trial.name.clone(),
             fingerprint: self.packed.fingerprint,
             settings: self.settings.clone(),
-            running: self.world.as_ref().map(|world| Running {
-                drive: world.drive.clone(),
-                played: self.played.clone(),
-                packed_drive: self
-                    .packed
-                    .drive
-                    .get()
-                    .filter(|_| !self.played.is_empty())
-                    .map(|drive| drive.fingerprint.clone()),
-                moved: self.moved.clone(),
-                present: world.present().to_vec(),
-                present_walls: world.present_walls().to_vec(),
-                state: world.state().clone(),
-                exposures: world.all_exposures().clone(),
-            }),
+            running: self.running(),
         }
+    }
+
+    /// Returns the state of the running world.
+    pub(super) fn running(&self) -> Option<Running> {
+        let world = self.world.as_ref()?;
+        let drive = self.packed.drive.get().filter(|_| !self.played.is_empty());
+        Some(Running {
+            drive: world.drive.clone(),
+            played: self.played.clone(),
+            packed_drive: drive.map(|drive| drive.fingerprint.clone()),
+            moved: self.moved.clone(),
+            present: world.present().to_vec(),
+            present_walls: world.present_walls().to_vec(),
+            state: world.state().clone(),
+            exposures: world.all_exposures().clone(),
+        })
+    }
+
+    /// Puts a new world into a state that fits it.
+    pub(super) fn run_on(&self, world: &mut World, running: &Running, threads: i32) -> Answer<()> {
+        give_threads(world, threads, self.world.as_ref())?;
+        let bodies = running.present.iter().enumerate();
+        bodies.for_each(|(b, &present)| world.set_present(BodyId::from(b), present));
+        let crowded = |_| damaged("more agents in one place than can be held");
+        if running.present_walls != world.present_walls() {
+            world.set_present_walls(&running.present_walls).or_else(crowded)?;
+        }
+        world.restore_with(running.state.clone(), running.exposures.clone()).or_else(crowded)?;
+        world.drive.clone_from(&running.drive);
+        Ok(())
     }
 
     /// Restores a state. After an error nothing has changed.
@@ -109,22 +125,14 @@ impl CrowdModel {
                 if !running.played.is_empty() {
                     check_played(&packed, packed.drive(&self.resources)?, running)?;
                 }
-                give_threads(&mut world, settings.threads, self.world.as_ref())?;
-                let bodies = running.present.iter().enumerate();
-                bodies.for_each(|(b, &present)| world.set_present(BodyId::from(b), present));
-                let crowded = |_| damaged("more agents in one place than can be held");
-                if running.present_walls != world.present_walls() {
-                    world.set_present_walls(&running.present_walls).or_else(crowded)?;
-                }
-                world.restore_with(running.state.clone(), running.exposures.clone()).or_else(crowded)?;
-                world.drive.clone_from(&running.drive);
+                self.run_on(&mut world, running, settings.threads)?;
                 Some(world)
             }
         };
         if world.is_some() {
             make_directory(&settings.output_directory)?;
         }
-        (self.packed, self.trial, self.world) = (packed, trial, world);
+        (self.packed, self.trial, self.world, self.tuned) = (packed, trial, world, false);
         self.said_coincident = self.first_coincident();
         self.moved = saved.running.as_ref().map(|running| running.moved.clone()).unwrap_or_default();
         self.settings.clone_from(settings);

@@ -77,7 +77,7 @@ def test_waypoints_one_after_the_other(decision):
     assert [decision[f"agent[3].{name}"] for name in DRIVE] == [0.0, 0.0, 0.0]
 
 
-@pytest.mark.parametrize("name", ["Mass", "MomentOfInertia", "FloorDamping", "AngularDamping", "DesiredSpeed"])
+@pytest.mark.parametrize("name", ["Mass", "MomentOfInertia", "FloorDamping", "AngularDamping"])
 def test_parameters(decision, name):
     with refused(decision, f"agent[3].{name}", "-1", status=fmi2Discard):
         decision[f"agent[3].{name}"] = -1.0

@@ -309,11 +309,12 @@ fn attributes<'a, Q>(
         Role::Input => ("input", None),
         Role::Exact => ("output", Some("exact")),
         Role::Calculated => ("output", Some("calculated")),
-        Role::Parameter => ("parameter", Some("exact")),
+        Role::Parameter | Role::Tunable => ("parameter", Some("exact")),
         Role::CalculatedParameter => ("calculatedParameter", Some("calculated")),
     };
     let variability = match (variable.role, variable.kind) {
         (Role::Parameter | Role::CalculatedParameter, _) => "fixed",
+        (Role::Tunable, _) => "tunable",
         (_, VariableType::Real(_)) => "continuous",
         _ => "discrete",
     };
@@ -459,7 +460,7 @@ fn start<M: Model>(
     first: usize,
     length: usize,
 ) -> Answer<Option<String>> {
-    if !matches!(variable.role, Role::Input | Role::Exact | Role::Parameter) {
+    if !Known::Starts.includes(variable.role) {
         return Ok(None);
     }
     let mut starts = Vec::with_capacity(length);

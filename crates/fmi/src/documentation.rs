@@ -46,6 +46,7 @@ fn rows_html<M: Model>(model: &M, version: Version) -> String {
             Role::Exact => "output; start settable",
             Role::Calculated => "output",
             Role::Parameter => "parameter",
+            Role::Tunable => "tunable parameter",
             Role::CalculatedParameter => "calculated parameter",
         };
         let unit = if let VariableType::Real(of) = variable.kind { of.unit.name } else { "" };

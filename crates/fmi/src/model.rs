@@ -25,7 +25,7 @@ fn token(lines: impl Iterator<Item = String>) -> Uuid {
 /// causalities only.
 pub fn guid<Q>(scalars: &[Scalar<Q>]) -> Uuid {
     token(scalars.iter().enumerate().map(|(reference, Scalar { name, variable, .. })| {
-        format!("{reference} {name} {} {:?}\n", variable.kind.name(), variable.role)
+        format!("{reference} {name} {} {:?}\n", variable.kind.name(), variable.role.in_tokens())
     }))
 }
 
@@ -34,7 +34,7 @@ pub fn guid<Q>(scalars: &[Scalar<Q>]) -> Uuid {
 pub fn instantiation_token<M: Model>() -> Uuid {
     let sizes = M::SIZES.iter().map(|size| format!("{}\n", size.name));
     let variables = M::VARIABLES.iter().map(|Variable { name, kind, dimensions, role, .. }| {
-        format!("{name} {} {dimensions:?} {role:?}\n", kind.name())
+        format!("{name} {} {dimensions:?} {:?}\n", kind.name(), role.in_tokens())
     });
     token(["FMI 3.0\n".to_owned()].into_iter().chain(sizes).chain(variables))
 }

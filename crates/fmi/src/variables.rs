@@ -15,6 +15,8 @@ pub enum Role {
     Calculated,
     /// Fixed parameter; it can be set until initialization ends.
     Parameter,
+    /// Tunable parameter; it can also be set between steps.
+    Tunable,
     /// Fixed, and computed from parameters.
     CalculatedParameter,
 }
@@ -30,6 +32,18 @@ pub enum VariableType {
     Boolean,
     /// String
     String,
+}
+
+impl Role {
+    /// Returns whether it is a parameter that can be set.
+    pub fn is_parameter(self) -> bool {
+        matches!(self, Role::Parameter | Role::Tunable)
+    }
+
+    /// Returns what tokens of interfaces hold of it: the causality, and what can be set at the start.
+    pub(crate) fn in_tokens(self) -> Role {
+        if self == Role::Tunable { Role::Parameter } else { self }
+    }
 }
 
 impl VariableType {
@@ -415,6 +429,11 @@ impl<Q: Copy> Variable<Q> {
         Variable { role: Role::Parameter, domain, description, ..self }
     }
 
+    /// Lets a parameter be set between steps, too.
+    pub const fn tunable(self) -> Variable<Q> {
+        Variable { role: Role::Tunable, ..self }
+    }
+
     /// Makes it a parameter that is computed.
     pub const fn calculated_parameter(self, description: &'static str) -> Variable<Q> {
         Variable { role: Role::CalculatedParameter, description, ..self }
@@ -491,6 +510,6 @@ pub enum Known {
 impl Known {
     /// Returns whether variables of a role count.
     pub fn includes(self, role: Role) -> bool {
-        role == Role::Input || self == Known::Starts && matches!(role, Role::Parameter | Role::Exact)
+        role == Role::Input || self == Known::Starts && (role.is_parameter() || role == Role::Exact)
     }
 }

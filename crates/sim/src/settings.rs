@@ -49,7 +49,7 @@ impl Simulation {
             (None, Some(crowd), decision) => {
                 // What only Decision has needs its prefix: the crowd may get such a variable later.
                 let decision = decision.unwrap_or_default();
-                let parameters = decision.iter().all(|of| of.variable.role == Role::Parameter);
+                let parameters = decision.iter().all(|of| of.variable.role.is_parameter());
                 let both =
                     of_crowd.is_none() && (name.starts_with("agent[") && parameters || is_operated(name));
                 Ok(Meaning { crowd, decision: if both { decision } else { Vec::new() } })
@@ -102,8 +102,7 @@ impl Simulation {
         let mut found: BTreeMap<&str, (String, [f64; 2], usize)> = BTreeMap::new();
         for (name, of_decision) in &variables {
             let (variable, element) = (of_decision.variable, of_decision.element);
-            let parameter =
-                variable.role == Role::Parameter && matches!(variable.kind, VariableType::Real(_));
+            let parameter = variable.role.is_parameter() && matches!(variable.kind, VariableType::Real(_));
             let Some(of_crowd) = self.crowd.variables().get(name).filter(|_| parameter) else { continue };
             let values = [
                 decision.model.number(variable.quantity, element)?,

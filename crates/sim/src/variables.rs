@@ -2,7 +2,7 @@
 
 use crate::error::SimError;
 use lemons_core::files::words;
-use lemons_fmi::variables::{Role, Scalar, VariableType};
+use lemons_fmi::variables::{Known, Scalar, VariableType};
 use lemons_fmi::{Answer, Model, Phase};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
@@ -84,7 +84,7 @@ impl<M: Model> IndexedModel<M> {
         let Some(first) = scalars.first() else { return Ok(()) };
         let wrong =
             |why: &str| SimError::Value { name: first.name.clone(), text: text.to_owned(), why: why.into() };
-        if !matches!(first.variable.role, Role::Input | Role::Parameter | Role::Exact) {
+        if !Known::Starts.includes(first.variable.role) {
             return Err(wrong("it is computed, and cannot be set"));
         }
         let number = match first.variable.kind {

@@ -209,7 +209,7 @@ impl Model for Decision {
             return damaged(IMPOSSIBLE);
         }
         let mut restored = Decision { agents: saved.clone(), ..self.anew() };
-        for row in Self::VARIABLES.iter().filter(|row| matches!(row.role, Role::Input | Role::Parameter)) {
+        for row in Self::VARIABLES.iter().filter(|row| row.role == Role::Input || row.role.is_parameter()) {
             for element in 0..self.agents.len() * self.elements_of_each(row.quantity) {
                 let field = restored.field(row.quantity, element);
                 if field.is_some_and(|value| row.domain.check(*value).is_err()) {

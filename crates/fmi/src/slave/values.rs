@@ -166,7 +166,7 @@ impl<M: Model> Slave<M> {
             _ if row.of == BaseType::Size && self.phase == Phase::Configuration => return Ok(()),
             _ if row.of == BaseType::Size => "outside Configuration Mode",
             _ if self.phase == Phase::Configuration => "in Configuration Mode",
-            Role::Input => return Ok(()),
+            Role::Input | Role::Tunable => return Ok(()),
             Role::Parameter | Role::Exact if before => return Ok(()),
             Role::Parameter | Role::Exact => "after initialization",
             Role::Calculated | Role::CalculatedParameter => "at all: it is computed",
