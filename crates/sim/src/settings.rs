@@ -102,8 +102,7 @@ impl Simulation {
         let mut found: BTreeMap<&str, (String, [f64; 2], usize)> = BTreeMap::new();
         for (name, of_decision) in &variables {
             let (variable, element) = (of_decision.variable, of_decision.element);
-            let parameter =
-                variable.role.is_parameter() && matches!(variable.kind, VariableType::Real(_));
+            let parameter = variable.role.is_parameter() && matches!(variable.kind, VariableType::Real(_));
             let Some(of_crowd) = self.crowd.variables().get(name).filter(|_| parameter) else { continue };
             let values = [
                 decision.model.number(variable.quantity, element)?,

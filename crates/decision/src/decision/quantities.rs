@@ -97,16 +97,23 @@ pub static QUANTITIES: [Variable<DecisionQuantity>; 29] = {
             .parameter(NonNegative, "relaxation rate of the velocity, 1/t_transl"),
         row(AngularDamping, "AngularDamping", AGENTS, Real(RATE))
             .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot"),
-        row(DesiredSpeed, "DesiredSpeed", AGENTS, Real(VELOCITY)).parameter(NonNegative, "desired speed v0").tunable(),
-        row(TimeGap, "TimeGap", AGENTS, Real(DURATION)).parameter(Positive, "time gap T to who is ahead").tunable(),
+        row(DesiredSpeed, "DesiredSpeed", AGENTS, Real(VELOCITY))
+            .parameter(NonNegative, "desired speed v0")
+            .tunable(),
+        row(TimeGap, "TimeGap", AGENTS, Real(DURATION))
+            .parameter(Positive, "time gap T to who is ahead")
+            .tunable(),
         row(StandstillGap, "StandstillGap", AGENTS, Real(DISTANCE))
-            .parameter(NonNegative, "gap to who is ahead when standing").tunable(),
+            .parameter(NonNegative, "gap to who is ahead when standing")
+            .tunable(),
         row(ReactionTime, "ReactionTime", AGENTS, Real(DURATION))
-            .parameter(NonNegative, "reaction time to gaps that change").tunable(),
+            .parameter(NonNegative, "reaction time to gaps that change")
+            .tunable(),
         row(Start, "Start", AGENTS, Real(DURATION))
             .parameter(NonNegative, "time from which on it walks; it stands before"),
         row(Push, "Push", AGENTS, Real(FORCE))
-            .parameter(NonNegative, "greatest force with which it pushes ahead; 1e9 or more: no limit").tunable(),
+            .parameter(NonNegative, "greatest force with which it pushes ahead; 1e9 or more: no limit")
+            .tunable(),
         row(Waypoint, "Waypoint", WAYPOINT_VECTORS, Real(POSITION))
             .parameter(Finite, "x and y of the way-points in order; 0 beyond WaypointCount"),
         row(WaypointRadius, "WaypointRadius", WAYPOINTS, Real(DISTANCE)).parameter(
