@@ -88,7 +88,7 @@ export type LayerFound = { name: string, sort: string, lines: number, };
 export type LevelsForm = number | Array<number>;
 
 /** How long people were above a limit. */
-export type Limit = { above: AboveLimit | null, };
+export type Limit = { above: AboveLimit | null, worst: Sustained | null, };
 
 /** Frames more about a limit. */
 export type LimitRequest = { number: number, people: number, step: number, limit: number, over: number, from: number, };
@@ -214,6 +214,9 @@ export type Summary = { measure: string, unit: string, mean: number, sd: number 
 /** The numbers of a surface. */
 export type Surface = { vertices: number, triangles: number, };
 
+/** The greatest of everybody's means of 1 s. */
+export type Sustained = { squeeze: number, who: number, at: number, };
+
 /** An exit or a goal. */
 export type Target = { name: string, stay: boolean, corners: Array<[number, number]>, open?: Array<[number, number]>, most?: number, time_factor?: number, };
 
@@ -224,7 +227,7 @@ export type Understood = { room: Room | null, exits: Array<ExitFound>, distribut
 export type WalkingModelName = "rotational" | "collision-free-speed" | "social-force" | "straight";
 
 /** A wall of a scene. */
-export type WallShown = { id: string, corners: Array<[number, number]>, open?: Array<[number, number]>, heights?: [number, number], };
+export type WallShown = { id: string, corners: Array<[number, number]>, obstacle: boolean, open?: Array<[number, number]>, heights?: [number, number], };
 
 /** A way-point. */
 export type Waypoint = { x: number, y: number, radius: number, };

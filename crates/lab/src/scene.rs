@@ -6,8 +6,8 @@ use crate::mechanics::{Contact, Material2d};
 use crate::run::LabRun;
 use crowd_mechanics::setup::Setup;
 use lemons_core::message::Message;
-use lemons_core::plane::Vec2;
-use lemons_core::trial;
+use lemons_core::plane::{Ring, Vec2};
+use lemons_core::trial::{self, Trial};
 use lemons_decision::rule::Waypoint;
 use lemons_decision::target::Target;
 use lemons_people::{Person, Sex, mechanical_step_for};
@@ -97,6 +97,8 @@ struct AgentShown {
 struct WallShown {
     id: String,
     corners: Vec<[f64; 2]>,
+    /// Closed, with nobody in it at the start, and not around all other walls.
+    obstacle: bool,
     /// \[s\] Times from which to which it is open; without, never.
     #[cfg_attr(feature = "typescript", ts(as = "Option<Vec<[f64; 2]>>", optional))]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -105,6 +107,15 @@ struct WallShown {
     #[cfg_attr(feature = "typescript", ts(optional))]
     #[serde(skip_serializing_if = "Option::is_none")]
     heights: Option<[f64; 2]>,
+}
+
+/// Returns whether a closed line \[m\] of a Trial has nobody in it at the start, and is not around all walls.
+fn is_obstacle(trial: &Trial, line: &[Vec2]) -> bool {
+    let Some(ring) = Ring::of_closed(line) else { return false };
+    let bounds = ring.bounds();
+    let within = |place: Vec2| bounds.contains(place) && ring.contains(place);
+    let beyond = |wall: &trial::Wall| !wall.corners.iter().all(|corner| bounds.contains(*corner));
+    trial.geometry.walls.iter().any(beyond) && !trial.dynamics.iter().any(|here| within(here.position))
 }
 
 /// Measures of somebody in a crowd.
@@ -151,6 +162,7 @@ pub(crate) fn of(run: &LabRun) -> Scene {
     let wall = |wall: &trial::Wall| WallShown {
         id: wall.id.clone(),
         corners: corners(&wall.corners),
+        obstacle: is_obstacle(trial, &wall.corners),
         open: wall.open.clone(),
         heights: Some(ends(&wall.heights)).filter(|_| !wall.heights.is_all()),
     };

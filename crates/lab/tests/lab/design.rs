@@ -23,6 +23,13 @@ fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
     let walls: Vec<Vec<[f64; 2]>> =
         made["scene"]["walls"].as_array().unwrap().iter().map(|wall| read(&wall["corners"])).collect();
     assert_eq!(walls.len(), 2);
+    // Also where the room is a closed wall, too.
+    let closed = with(base.clone(), "room", with(room.clone(), "doors", json!([])));
+    let (whole, _) = ok(&mut lab, own(with(closed, "density", json!(2.0))));
+    for shown in [&made, &whole] {
+        let walls = shown["scene"]["walls"].as_array().unwrap().iter();
+        assert!(walls.map(|wall| wall["obstacle"].as_bool().unwrap()).eq([false, true]));
+    }
     let ends = [walls[0][0], *walls[0].last().unwrap()];
     assert!(ends.iter().all(|end| close(end[0], 8.0, 1e-12)), "{ends:?}");
     assert!(close((ends[0][1] - ends[1][1]).abs(), 0.9, 1e-12));
