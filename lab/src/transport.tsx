@@ -3,6 +3,7 @@
 import type { Film } from "./film";
 import { t } from "./language";
 import { calmly } from "./layout";
+import { Legend } from "./legend";
 import { Button, Choice, Icon, NumberField, Range } from "./parts";
 import { change, plan } from "./plan";
 
@@ -17,6 +18,7 @@ const ICONS = {
 
 export function Transport({ film }: { film: Film }) {
     const playing = film.playing.value;
+    const { more } = plan.value;
     const button = (name: string, icon: keyof typeof ICONS, press: () => void) => (
         <button type="button" class={icon === "play" || icon === "pause" ? "main" : undefined} aria-label={name} title={name} onClick={press}>
             <Icon path={ICONS[icon]} />
@@ -26,15 +28,16 @@ export function Transport({ film }: { film: Film }) {
         <div class="transport" role="group" aria-label={t("Run")}>
             <div class="controls">
                 {button(t("To the start"), "start", () => void film.show(0))}
-                {button(t("Step back"), "back", () => void film.show(Math.ceil(film.place.value) - 1))}
+                {more && button(t("Step back"), "back", () => void film.show(Math.ceil(film.place.value) - 1))}
                 {button(playing ? "Pause" : t("Play"), playing ? "pause" : "play", () => (film.playing.value = !playing))}
-                {button(t("Step"), "step", () => void film.show(film.shown.value + 1))}
+                {more && button(t("Step"), "step", () => void film.show(film.shown.value + 1))}
                 <Choice label={t("Pace")} value={String(plan.value.pace)} choices={PACES} onChange={(pace) => change({ pace: Number(pace) })} />
-                <NumberField label={t("End of the timeline")} short={t("timeline")} unit="s" value={plan.value.end} min={film.scene.step} max={1e5} step={5} onChange={(end) => change({ end })} />
-                <Compute film={film} />
-                <UntilLeft film={film} />
+                {more && <NumberField label={t("End of the timeline")} short={t("timeline")} unit="s" value={plan.value.end} min={film.scene.step} max={1e5} step={5} onChange={(end) => change({ end })} />}
+                {more && <Compute film={film} />}
+                {more && <UntilLeft film={film} />}
+                {!more && <Legend film={film} />}
             </div>
-            <Status film={film} />
+            {more && <Status film={film} />}
             <Timeline film={film} />
         </div>
     );
@@ -58,16 +61,18 @@ export function Compute({ film }: { film: Film }) {
 /** In s: a run in which somebody is stuck would go on for ever. */
 const BOUND = 600;
 
-/** Computes until all have left. While it does, the button beside it stops it. */
-function UntilLeft({ film }: { film: Film }) {
+/** Computes until all have left. While it does, another button stops it, or this one. */
+export function UntilLeft({ film }: { film: Film }) {
     if (film.scene.leaving === 0) return null;
     const there = calmly(film, film.computed) - 1;
     const emptied = film.emptied.value;
     const reached = calmly(film, film.reached);
     // Tables and the report end at the last frame that was shown or asked for.
     const over = (emptied !== null && reached >= emptied) || there * film.scene.step >= BOUND || there >= film.most - 1;
+    const computing = film.bound.value !== null && film.wanted.value > there && !film.failed.value;
+    if (computing && !plan.value.more) return <Compute film={film} />;
     return (
-        <Button words={t("Until all have left")} disabled={over || film.bound.value !== null && film.wanted.value > there} title={t("Computes until nobody who has an exit is left, at most up to {most} s", { most: BOUND })} onClick={() => void film.computeUntilLeft(BOUND)} />
+        <Button words={t("Until all have left")} disabled={over || computing} title={t("Computes until nobody who has an exit is left, at most up to {most} s", { most: BOUND })} onClick={() => void film.computeUntilLeft(BOUND)} />
     );
 }
 
@@ -110,22 +115,7 @@ function leavings({ frames, scene }: Film, computed: number): number[] {
     return found;
 }
 
-/** How far it is computed, and how many have left in the frame that is shown: a line of its own, which moves nothing. */
+/** How far it is computed: a line of its own, which moves nothing. */
 function Status({ film }: { film: Film }) {
-    const { leaving, step } = film.scene;
-    const [k, computed] = [calmly(film, film.shown), calmly(film, film.computed)];
-    const time = (frame: number) => (frame * step).toFixed(2);
-    const emptied = film.emptied.value;
-    const all = emptied !== null && k >= emptied;
-    return (
-        <p class="note status">
-            <span>{t("computed: {computed} s", { computed: ((computed - 1) * step).toFixed(1) })}</span>
-            {leaving > 0 && !all && <span>{t("{left} of {n} have left.", { left: film.frames.curve("left")[k]!, n: leaving })}</span>}
-            {/* Only the end is told to those who do not see it. */}
-            <strong role="status">
-                {all && t("All {n} have left after {time} s.", { n: leaving, time: time(emptied) })}
-                {film.bound.value !== null && emptied === null && computed - 1 === film.wanted.value && t("Not all have left after {time} s: it ends there.", { time: time(film.wanted.value) })}
-            </strong>
-        </p>
-    );
+    return <p class="note status">{t("computed: {computed} s", { computed: ((calmly(film, film.computed) - 1) * film.scene.step).toFixed(1) })}</p>;
 }

@@ -7,7 +7,7 @@ from pathlib import Path
 import matplotlib
 import pytest
 from playwright.sync_api import Page, expect
-from visit import Picture, becomes, download, fill, lemons, make, plan, play_until, rows, show_at, tab, wait
+from visit import Picture, becomes, download, example, fill, lemons, make, plan, play_until, rows, show_at, tab, wait
 
 #: Frames in which everybody is looked at.
 EARLY, LATE = 60, 140
@@ -133,6 +133,30 @@ def test_trails_and_forces_are_drawn(page: Page) -> None:
     wait(page, lambda: pixels(page) != start, 20)
     page.get_by_role("button", name="Step back").click()
     wait(page, lambda: pixels(page) == start, 20)
+
+
+def test_the_pushed_are_seen_while_they_are_pushed(page: Page, tmp_path: Path) -> None:
+    example(page, "A dense square", 180)
+    picture = Picture(page)
+    page.get_by_label("Colour").select_option(label="Speed")
+    play_until(page, 0.6)
+    lemons("run", download(page, "Trial (zip)", tmp_path), "--until", "0.5", "-o", tmp_path / "run.csv")
+    scrub(page, 50)
+    now = [{name: float(value) for name, value in row.items()} for row in rows(tmp_path / "run.csv") if float(row["t"]) == 0.5]
+    # Within a circle, but not below its arrow.
+    there = [row for row in now if math.hypot(row["x"] - 0.4, row["y"] - 2.5) < 0.6 and abs(row["y"] - 2.5) > 0.2]
+    assert len(there) > 3
+    for row in there:
+        at = picture.pixel(row["x"] - 0.05 * math.cos(row["theta"]), row["y"] - 0.05 * math.sin(row["theta"]))
+        # The circle takes away less than a tenth of a colour.
+        assert painted(picture, at) == pytest.approx(wanted(page, "Speed", math.hypot(row["vx"], row["vy"])), abs=36)
+
+
+def test_obstacles_are_filled(page: Page) -> None:
+    example(page, "Two exits", 60)
+    picture = Picture(page)
+    pillar, floor = (painted(picture, picture.pixel(*at)) for at in ((6.4, 3), (7.6, 5.8)))
+    assert floor == [0, 0, 0] and pillar != floor
 
 
 def test_an_area_has_the_density_of_the_table(page: Page, tmp_path: Path) -> None:
