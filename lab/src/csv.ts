@@ -79,7 +79,7 @@ interface Leaving {
 const found = new WeakMap<Film, { k: number; all: Leaving[]; gone: Set<number> }>();
 
 /** Who has left, in this order, up to a frame. */
-function leavings(film: Film, last: number): Leaving[] {
+export function leavings(film: Film, last: number): Leaving[] {
     const { frames, scene } = film;
     const left = frames.curve("left");
     const exits = scene.targets.filter(({ stay }) => !stay);

@@ -9,7 +9,7 @@ import { present, presents } from "./layout";
 import { follow } from "./live";
 import { MotionTab } from "./motion";
 import { Numbers } from "./numbers";
-import { Button, copy, Icon } from "./parts";
+import { Button, copy, Icon, isUndo } from "./parts";
 import { PersonTab } from "./person";
 import { canRedo, canUndo, change, link, onlyHere, type Plan, plan, redo, scene, undo, unlinked } from "./plan";
 import { isPlan, openPlan } from "./plans";
@@ -23,7 +23,6 @@ import { StartTab } from "./start";
 import { embedded } from "./storage";
 import { TakeTab } from "./take";
 import { Tour } from "./tour";
-import { Compute } from "./transport";
 import { dropped, openTrial } from "./upload";
 
 const TABS: [Plan["tab"], string][] = [
@@ -129,12 +128,6 @@ function Page() {
                 <main class={alone ? "columns alone" : more ? "columns" : "columns few"}>
                     {!alone && (
                         <div key={tab} class={open("forms")}>
-                            {/* The sheet lies over that of the stage. */}
-                            {shown && more && (
-                                <div class="phone act">
-                                    <Compute film={shown} />
-                                </div>
-                            )}
                             <Panel />
                         </div>
                     )}
@@ -192,7 +185,7 @@ function News() {
 addEventListener("keydown", (event) => {
     const { target, key } = event;
     const inField = target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && ["number", "text"].includes(target.type));
-    if ((event.ctrlKey || event.metaKey) && ["z", "Z", "y"].includes(key)) {
+    if (isUndo(event)) {
         // What is being typed, the field takes back itself.
         if (inField && target.dataset.typed === "true") return;
         event.preventDefault();

@@ -25,6 +25,9 @@ interface NumberProps {
     onChange(value: number): void;
 }
 
+/** Whether it is a key of Undo or Redo. */
+export const isUndo = ({ ctrlKey, metaKey, key }: KeyboardEvent) => (ctrlKey || metaKey) && ["z", "Z", "y"].includes(key);
+
 /** A field that keeps its text while it has the focus and nothing was taken: its value may change meanwhile, as that of a run that
  * plays. While something is typed, keys of Undo are its own (page.tsx). */
 export function Field({ onChange, ...props }: ComponentProps<"input">) {
@@ -35,7 +38,7 @@ export function Field({ onChange, ...props }: ComponentProps<"input">) {
         onFocus: keep(false),
         onInput: keep(true),
         onBlur: end,
-        onKeyDown: (event: KeyboardEvent) => (event.ctrlKey || event.metaKey) && !draft?.typed && end(),
+        onKeyDown: (event: KeyboardEvent) => isUndo(event) && !draft?.typed && end(),
         onChange: (event: TargetedEvent<HTMLInputElement>) => (onChange?.(event), end()),
     };
     return <input {...props} {...own} value={draft?.text ?? props.value} data-typed={draft?.typed} />;

@@ -21,7 +21,7 @@ import { Button, Check, Choice, digits, in3d, length, LengthField, Range } from 
 import { change, type Plan, plan } from "./plan";
 import { heightOf, levelAt, Sections } from "./sections";
 import { embedded } from "./storage";
-import { Tools } from "./tools";
+import { ToolHint, Tools } from "./tools";
 import { Transport } from "./transport";
 
 /** Milliseconds between two beats. */
@@ -66,6 +66,7 @@ export function Stage({ film }: { film: Film }) {
                 <Menu />
                 <div class="over">
                     <Hints film={film} />
+                    <ToolHint />
                     {kept.value && kept.value.film !== film && (
                         <p class="note">
                             {difference() && `${difference()}. `}

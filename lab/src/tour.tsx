@@ -16,17 +16,11 @@ const STEPS: [string, string, string][] = [
 const step = signal<number | null>(null);
 
 export function TourButton() {
-    return (
-        <button
-            type="button"
-            onClick={() => {
-                change({ tab: "start" });
-                step.value = 0;
-            }}
-        >
-            {t("Tour in four steps")}
-        </button>
-    );
+    const begin = () => {
+        change({ tab: "start" });
+        step.value = 0;
+    };
+    return <Button words={t("Tour in four steps")} onClick={begin} />;
 }
 
 export function Tour() {

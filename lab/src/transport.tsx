@@ -1,5 +1,6 @@
 // What plays a run: buttons, and the timeline.
 
+import { leavings } from "./csv";
 import type { Film } from "./film";
 import { t } from "./language";
 import { calmly } from "./layout";
@@ -33,7 +34,6 @@ export function Transport({ film }: { film: Film }) {
                 {more && button(t("Step"), "step", () => void film.show(film.shown.value + 1))}
                 <Choice label={t("Pace")} value={String(plan.value.pace)} choices={PACES} onChange={(pace) => change({ pace: Number(pace) })} />
                 {more && <NumberField label={t("End of the timeline")} short={t("timeline")} unit="s" value={plan.value.end} min={film.scene.step} max={1e5} step={5} onChange={(end) => change({ end })} />}
-                {more && <Compute film={film} />}
                 {more && <UntilLeft film={film} />}
                 {!more && <Legend film={film} />}
             </div>
@@ -48,32 +48,18 @@ export function lastOf(film: Film): number {
     return Math.max(Math.ceil(plan.value.end / film.scene.step - 1e-9), film.playing.value ? film.reached.peek() : film.reached.value);
 }
 
-/** Computes up to the end of the timeline without playing. */
-export function Compute({ film }: { film: Film }) {
-    const last = Math.round(plan.value.end / film.scene.step);
-    const there = calmly(film, film.computed) - 1;
-    const computing = film.wanted.value > there && !film.failed.value;
-    return (
-        <Button words={computing ? t("Stop computing") : t("Compute it")} disabled={!computing && there >= last} onClick={() => void film.compute(computing ? null : last)} />
-    );
-}
-
 /** In s: a run in which somebody is stuck would go on for ever. */
 const BOUND = 600;
 
-/** Computes until all have left. While it does, another button stops it, or this one. */
+/** Computes until all have left, or stops it. */
 export function UntilLeft({ film }: { film: Film }) {
     if (film.scene.leaving === 0) return null;
     const there = calmly(film, film.computed) - 1;
     const emptied = film.emptied.value;
-    const reached = calmly(film, film.reached);
+    if (film.bound.value !== null && film.wanted.value > there && !film.failed.value) return <Button words={t("Stop computing")} onClick={() => film.stop()} />;
     // Tables and the report end at the last frame that was shown or asked for.
-    const over = (emptied !== null && reached >= emptied) || there * film.scene.step >= BOUND || there >= film.most - 1;
-    const computing = film.bound.value !== null && film.wanted.value > there && !film.failed.value;
-    if (computing && !plan.value.more) return <Compute film={film} />;
-    return (
-        <Button words={t("Until all have left")} disabled={over || computing} title={t("Computes until nobody who has an exit is left, at most up to {most} s", { most: BOUND })} onClick={() => void film.computeUntilLeft(BOUND)} />
-    );
+    const over = (emptied !== null && calmly(film, film.reached) >= emptied) || there * film.scene.step >= BOUND || there >= film.most - 1;
+    return <Button words={t("Until all have left")} disabled={over} title={t("Computes until nobody who has an exit is left, at most up to {most} s", { most: BOUND })} onClick={() => void film.computeUntilLeft(BOUND)} />;
 }
 
 function Timeline({ film }: { film: Film }) {
@@ -98,21 +84,12 @@ function Timeline({ film }: { film: Film }) {
                     {pushes.map(({ start, duration }, j) => (
                         <rect key={j} x={x(start / step)} y="0" width={Math.max(2, x((start + duration) / step) - x(start / step))} height="10" class="pushed" />
                     ))}
-                    <path d={leavings(film, computed).map((frame) => `M${x(frame)} 0V10`).join("")} class="left" />
+                    <path d={leavings(film, computed - 1).map(({ frame }) => `M${x(frame)} 0V10`).join("")} class="left" />
                 </svg>
                 <Range aria-valuetext={time} min={0} max={last} value={k} onSlide={(to) => void film.show(to)} />
             </span>
         </label>
     );
-}
-
-/** The frames in which somebody leaves. */
-function leavings({ frames, scene }: Film, computed: number): number[] {
-    if (scene.leaving === 0) return [];
-    const left = frames.curve("left");
-    const found: number[] = [];
-    for (let k = 1; k < computed; k++) if (left[k]! > left[k - 1]!) found.push(k);
-    return found;
 }
 
 /** How far it is computed: a line of its own, which moves nothing. */

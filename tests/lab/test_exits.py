@@ -48,7 +48,7 @@ def test_everybody_leaves_by_an_exit_that_is_drawn(page: Page, browser: Browser,
     exits(page)
     expect(page.get_by_text("There is no exit yet: nobody walks.")).to_be_visible()
     picture = Picture(page)
-    button(page, "An exit: Draw a line")
+    button(page, "Exit")
     picture.click(5, 0.5)
     # The same place again is no second end.
     picture.click(5, 0.5)
@@ -69,7 +69,7 @@ def test_everybody_leaves_by_an_exit_that_is_drawn(page: Page, browser: Browser,
     becomes(page, lambda: decided(page)["exits"], [drawn])
     # Delete takes away what is marked, after Esc has ended what is being drawn.
     picture.canvas.focus()
-    button(page, "An exit: Draw a line")
+    button(page, "Exit")
     picture.click(1, 1)
     page.keyboard.press("Escape")
     page.keyboard.press("Delete")
@@ -144,7 +144,7 @@ def test_exits_beyond_doors_goals_and_shares(page: Page, tmp_path: Path) -> None
     assert decided(page)["exits"][0]["name"] == "door 1"
     expect(page.get_by_role("button", name="Put an exit beyond each door")).to_be_disabled()
     picture = Picture(page)
-    button(page, "An exit: Draw an area")
+    button(page, "Exit area")
     corners = [[3.2, 0.2], [3.8, 0.2], [3.8, 0.8], [3.2, 0.8]]
     for corner in corners:
         picture.click(*corner)
@@ -153,7 +153,7 @@ def test_exits_beyond_doors_goals_and_shares(page: Page, tmp_path: Path) -> None
     page.get_by_label("Each exit gets a share of the people").check()
     fill(page, "Exit 1, share", 3)
     fill(page, "Exit 2, share", 7)
-    button(page, "A goal: Draw a line")
+    button(page, "Goal")
     picture.click(0.3, 0.5)
     picture.click(0.3, 2.5)
     becomes(page, lambda: [goal["line"] for goal in decided(page)["goals"]], [[[0.3, 0.5], [0.3, 2.5]]])
@@ -224,7 +224,7 @@ def test_places_that_cannot_be_are_named(page: Page) -> None:
             becomes(page, lambda: lines(page), [line])
     expect(alert).to_contain_text('exit "the street": lies on walls')
     assert lines(page) != [[[1, 0], [3, 0]]]
-    button(page, "An exit: Draw a line")
+    button(page, "Exit")
     picture.click(1, 1)
     picture.click(2, 1)
     becomes(page, lambda: len(lines(page)), 2)
@@ -331,7 +331,7 @@ def test_exits_and_goals_can_be_seen(page: Page, scheme: str) -> None:
     room(page, 3)
     exits(page)
     button(page, "Put an exit beyond each door")
-    button(page, "A goal: Write numbers")
+    button(page, "Add a goal by numbers")
     becomes(page, lambda: len(decided(page)["goals"]), 1)
 
     def colour(name: str) -> tuple[int, ...]:

@@ -66,7 +66,7 @@ def test_scrubbing_shows_what_the_command_computes(page: Page, tmp_path: Path) -
             x, y = (float(value) for value in re.findall(r"[-\d.]+", fact("Place")))
             assert (x, y) == pytest.approx((100 * number(frame, name, "x"), 100 * number(frame, name, "y")), abs=0.051)
             assert float(fact("Speed").split()[0]) == pytest.approx(speed(frame, name), abs=0.0051)
-            assert float(fact("Squeeze").split()[0].replace(",", "")) == pytest.approx(squeeze(frame, name), abs=0.51)
+            assert float(fact("Squeeze, mean of 0.1 s").split()[0].replace(",", "")) == pytest.approx(squeeze(frame, name), abs=0.51)
             assert int(fact("Contacts")) == contacts(frame, name)
         # Those who are selected have a mark of their own.
         person.select_option(label="nobody")
@@ -146,10 +146,13 @@ def test_the_pushed_are_seen_while_they_are_pushed(page: Page, tmp_path: Path) -
     # Within a circle, but not below its arrow.
     there = [row for row in now if math.hypot(row["x"] - 0.4, row["y"] - 2.5) < 0.6 and abs(row["y"] - 2.5) > 0.2]
     assert len(there) > 3
-    for row in there:
+
+    def shown(row: dict[str, float]) -> bool:
         at = picture.pixel(row["x"] - 0.05 * math.cos(row["theta"]), row["y"] - 0.05 * math.sin(row["theta"]))
         # The circle takes away less than a tenth of a colour.
-        assert painted(picture, at) == pytest.approx(wanted(page, "Speed", math.hypot(row["vx"], row["vy"])), abs=36)
+        return painted(picture, at) == pytest.approx(wanted(page, "Speed", math.hypot(row["vx"], row["vy"])), abs=36)
+
+    wait(page, lambda: all(map(shown, there)), 20)
 
 
 def test_obstacles_are_filled(page: Page) -> None:

@@ -134,8 +134,6 @@ def play_until(page: Page, end: float) -> None:
 def show_at(page: Page, end: float) -> None:
     """Shows a time [s] up to which the run is computed, and no further."""
     fill(page, "End of the timeline", end)
-    page.get_by_role("button", name="Compute it").click()
-    expect(page.get_by_text(f"computed: {end:.1f} s")).to_be_visible()
     page.get_by_role("slider", name="Time").press("End")
     wait(page, lambda: seconds(page) == end)
 

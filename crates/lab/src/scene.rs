@@ -6,7 +6,7 @@ use crate::mechanics::{Contact, Material2d};
 use crate::run::LabRun;
 use crowd_mechanics::setup::Setup;
 use lemons_core::message::Message;
-use lemons_core::plane::{Ring, Vec2};
+use lemons_core::plane::{Ring, Vec2, segments_cross, turn, vec2};
 use lemons_core::trial::{self, Trial};
 use lemons_decision::rule::Waypoint;
 use lemons_decision::target::Target;
@@ -62,6 +62,8 @@ pub(crate) struct Scene {
     /// Whether people walk, on ways or to exits and goals.
     walk: bool,
     ways: Vec<Vec<Waypoint>>,
+    /// Where ways cross walls that never open, with the place of each way: people walk straight from point to point.
+    crossed: Vec<(usize, [f64; 2])>,
     /// Exits, then goals.
     targets: Vec<Target>,
     /// How many have an exit.
@@ -118,6 +120,24 @@ fn is_obstacle(trial: &Trial, line: &[Vec2]) -> bool {
     trial.geometry.walls.iter().any(beyond) && !trial.dynamics.iter().any(|here| within(here.position))
 }
 
+/// Returns where the legs of ways \[m\] cross walls of a Trial that never open.
+fn crossed(trial: &Trial, ways: &[Vec<Waypoint>]) -> Vec<(usize, [f64; 2])> {
+    let walls: Vec<&[Vec2]> =
+        trial.geometry.walls.iter().filter(|wall| wall.open.is_none()).map(|wall| &*wall.corners).collect();
+    let sides = || walls.iter().flat_map(|corners| corners.windows(2));
+    let mut found = Vec::new();
+    for (way, points) in ways.iter().enumerate() {
+        for leg in points.windows(2) {
+            let [a, b] = [0, 1].map(|k| vec2(leg[k].x, leg[k].y));
+            for side in sides().filter(|side| segments_cross(a, b, side[0], side[1])) {
+                let [from, to] = [a, b].map(|end| turn(side[0], side[1], end));
+                found.push((way, (a + (b - a) * (from / (from - to))).into()));
+            }
+        }
+    }
+    found
+}
+
 /// Measures of somebody in a crowd.
 #[derive(Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
@@ -171,6 +191,8 @@ pub(crate) fn of(run: &LabRun) -> Scene {
         Some(PersonDrawn { sex, breadth, depth, stature, mass })
     };
     let plan = loaded.plan.as_ref();
+    let ways: Vec<Vec<Waypoint>> =
+        plan.map_or_else(Vec::new, |plan| plan.ways_of_points(100).into_iter().map(<[_]>::to_vec).collect());
     let mut pushed: Vec<String> = loaded.table.agents().map(str::to_owned).collect();
     pushed.sort_unstable();
     let of_people: BTreeSet<&str> =
@@ -225,8 +247,8 @@ pub(crate) fn of(run: &LabRun) -> Scene {
         overlap,
         pushed,
         walk: plan.is_some(),
-        ways: plan
-            .map_or_else(Vec::new, |plan| plan.ways_of_points(100).into_iter().map(<[_]>::to_vec).collect()),
+        crossed: crossed(trial, &ways),
+        ways,
         targets: plan.map_or_else(Vec::new, |plan| plan.targets.clone()),
         leaving: plan.map_or(0, |plan| plan.leaving().into_iter().filter(|leaves| *leaves).count()),
         people: loaded.people.as_ref().map(|people| people.iter().map(person).collect()),

@@ -57,6 +57,19 @@ fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
     }
 }
 
+/// A way goes straight through a pillar.
+#[test]
+fn where_a_way_crosses_walls_is_told() {
+    let square = |low: f64, high: f64| json!([[low, low], [high, low], [high, high], [low, high]]);
+    let room = json!({"outline": square(0.0, 5.0), "obstacles": [square(2.0, 3.0)], "doors": []});
+    let point = |x: f64| json!({"x": x, "y": 2.5, "radius": 0.2});
+    let motion = json!({"kind": "walk", "speed": 1.3, "ways": [[point(0.5), point(1.0), point(4.0)]]});
+    let (made, _) = ok(&mut Lab::default(), with(own(crowd(4, room)), "motion", motion));
+    let mut crossed: Vec<(usize, [f64; 2])> = read(&made["scene"]["crossed"]);
+    crossed.sort_by(|one, other| one.1[0].total_cmp(&other.1[0]));
+    assert_eq!(crossed, [(0, [2.0, 2.5]), (0, [3.0, 2.5])]);
+}
+
 /// A room that is drawn: a door a quarter of the way up the wall on the right, another one in an obstacle's.
 fn drawing() -> Value {
     json!({
