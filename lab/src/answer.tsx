@@ -83,8 +83,8 @@ export function Answer({ film }: { film: Film }) {
         if (who !== undefined) selected.value = who;
     };
     return (
-        // Only what is known is told to those who do not see it.
-        <p class="answer" role="status">
+        // What is known once and for all is told to those who do not see it.
+        <p class="answer known" role={who === undefined ? "status" : undefined}>
             {question} <Button words={words} title={t("Shows this moment")} onClick={show} />
         </p>
     );

@@ -17,12 +17,12 @@ import { FileInput, openTrial } from "./upload";
 
 export function StartTab() {
     const { name } = scene.value;
+    const { more } = plan.value;
     const here = example();
     const further = (
         <>
             <p class="note">{t("People in dense crowds, as bodies that touch and press. Choose a question, move a slider, and watch; or draw your own room.")}</p>
-            <NewRoom />
-            <SweepForm />
+            {more && <SweepForm />}
             <h2>{t("Questions")}</h2>
             {EXAMPLES.map((one) => (
                 <button key={one.name} type="button" class="card" aria-pressed={name === one.name && !canUndo.value} onClick={() => begin(one)}>
@@ -33,7 +33,9 @@ export function StartTab() {
                     </span>
                 </button>
             ))}
+            {!more && <SweepForm />}
             <Scenes />
+            <NewRoom />
             <h2>{t("Open your own Trial")}</h2>
             <p class="note">{t("A zip or a folder with Agents.xml, Geometry.xml, Materials.xml and AgentDynamics.xml; drop it anywhere on this page, or choose it here. It stays on this machine.")}</p>
             <FileInput label={t("Open a zip or a scenario")} accept=".zip,.toml,application/zip" onFiles={openTrial} />
@@ -50,7 +52,7 @@ export function StartTab() {
                 <Keep />
                 <TourButton />
             </div>
-            {plan.value.more ? further : <details><summary>{t("Other questions, and your scenes")}</summary>{further}</details>}
+            {more ? further : <details><summary>{t("Other questions, and your scenes")}</summary>{further}</details>}
         </section>
     );
 }

@@ -52,7 +52,7 @@ export function useTool(own: Tool, modes: readonly Mode[] = []) {
             if (tool.value === own) tool.value = null;
         };
     }, [own]);
-    useEffect(() => () => void (modes.includes(mode.peek()) && begin("change")), []);
+    useEffect(() => () => endOf(modes), []);
 }
 
 /** What the tools of the tabs Room and Motion draw. */
