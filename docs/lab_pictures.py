@@ -45,7 +45,7 @@ def run(page: Page) -> None:
     page.get_by_text("Other questions, and your scenes").click()
     page.get_by_role("button", name="Until all have left").click()
     page.get_by_text("All 70 have left after").wait_for(timeout=600_000)
-    page.get_by_role("slider", name="Time").fill("1500")
+    page.get_by_role("slider", name="Time").fill("2100")
 
 
 def exits(page: Page) -> None:

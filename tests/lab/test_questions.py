@@ -73,12 +73,12 @@ def test_the_answer_is_that_of_the_command_before_it_is_played_so_far(page: Page
     slide(page, "People", 12)
     expect(page.get_by_text("12 people placed in")).to_be_visible()
     answer = page.locator(".answer")
-    expect(answer).to_have_text("0 of 12 have left.")
-    # What people leave is asked, and the chart is of it.
     expect(page.get_by_role("combobox", name="Chart")).to_have_value("left")
     page.get_by_role("button", name="Pause").click()
-    page.get_by_role("button", name="Until all have left").click()
-    expect(answer).to_have_text(re.compile(r"^All 12 have left after [\d.]+ s\.$"))
+    # Few people may be computed to the end by now.
+    if (rest := page.get_by_role("button", name="Until all have left")).is_enabled():
+        rest.click()
+    expect(answer).to_contain_text(re.compile(r"All 12 have left after [\d.]+ s\.$"))
     end = float(answer.inner_text().split()[-2])
     assert seconds(page) < end
     answer.get_by_role("button").click()
@@ -112,9 +112,10 @@ def test_the_greatest_squeeze_of_a_second_is_that_of_the_command(page: Page, tmp
 
 def test_the_answer_names_the_exits_where_they_are_asked_for(page: Page) -> None:
     example(page, "Two exits", 60)
-    page.get_by_role("button", name="Until all have left").click()
+    if (rest := page.get_by_role("button", name="Until all have left")).is_enabled():
+        rest.click()
     answer = page.locator(".answer")
-    expect(answer).to_have_text(re.compile("^All 60 have left"))
+    expect(answer).to_contain_text("All 60 have left")
     counts = [int(count) for count in re.findall(r'": (\d+)', answer.inner_text())]
     assert len(counts) == 2 and sum(counts) == 60
 
@@ -218,7 +219,10 @@ def test_both_runs_go_on_to_the_later_end(page: Page) -> None:
     slide(page, "People", 5)
     people(page, 5)
     page.get_by_label("Pace").select_option("4")
+    page.get_by_role("combobox", name="Chart").select_option("greatest")
     expect(page.get_by_text("All 5 have left after")).to_be_visible()
+    # It plays up to there, and stops.
+    expect(page.get_by_role("button", name="Play")).to_be_visible()
     end = seconds(page)
     page.get_by_role("button", name="Keep this run to compare").click()
     # A run that has ended plays again with another value.

@@ -33,7 +33,8 @@ def wanted(page: Page, colour: str, value: float) -> list[float]:
     """As viridis has it, up to the end of the scale; squeeze as a warm grey and magma."""
     numbers = re.findall(r"[\d.,]+", page.locator(".scale").inner_text())
     low, high = (float(number.replace(",", "")) for number in numbers)
-    share = min(1, max(0, (value - low) / (high - low)))
+    # A whole number would be the place of a colour.
+    share = min(1.0, max(0.0, (value - low) / (high - low)))
     if colour != "Squeeze":
         return [255 * part for part in matplotlib.colormaps["viridis"](share)[:3]]
     assert low == 200 and high >= 400
