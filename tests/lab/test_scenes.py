@@ -139,7 +139,7 @@ def test_it_is_told_when_nothing_can_be_kept(context: BrowserContext, url: str, 
     page.wait_for_selector("canvas")
     tab(page, "Crowd")
     fill(page, "People", 6)
-    people(page, 6)
+    expect(page.get_by_text("6 people placed in")).to_be_visible()
     expect(page.get_by_text("not saved", exact=True)).to_be_visible()
     tab(page, "Start")
     # Without storage, each visit is the first one.
@@ -172,6 +172,8 @@ def test_an_earlier_visit_is_taken_over(context: BrowserContext, url: str) -> No
     page.evaluate("() => { localStorage['lemons-lab scene x'] = '[[['; localStorage['lemons-lab scene y'] = '7'; localStorage['lemons-lab page'] = '{'; }")
     page.close()
     page = visit(context, url)
+    # What was shown is not known any more.
+    page.get_by_role("button", name="More", exact=True).click()
     people(page, 7)
     assert names(page) == ["Of an earlier visit"]
     assert page.evaluate("localStorage['lemons-lab plan 2'] === undefined")
