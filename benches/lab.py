@@ -20,7 +20,7 @@ from pathlib import Path
 from playwright.sync_api import Page, sync_playwright
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/lab"))
-from visit import LEMONS, download, lemons, link, plan, seconds
+from visit import LEMONS, MORE, download, lemons, link, plan, seconds
 
 #: [s]
 STEP = 0.01
@@ -53,7 +53,7 @@ def scene(people: int) -> dict[str, object]:
 
 
 def computed(page: Page) -> float:
-    return float(page.locator(".status span").first.inner_text().split()[1])
+    return float(page.locator(".status").inner_text().split()[1])
 
 
 def measured(page: Page, url: str, people: int, length: float, to: Path) -> str:
@@ -92,6 +92,7 @@ def main() -> None:
             print("people  pictures/s  shown/s  computed/s  step in page [ms]  lemons run [ms]")
             for people in map(int, arguments.people.split(",")):
                 page = browser.new_page(viewport={"width": 1280, "height": 860})
+                page.add_init_script(MORE)
                 print(measured(page, url, people, arguments.seconds, Path(to)), flush=True)
                 page.close()
     finally:

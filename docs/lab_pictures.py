@@ -17,7 +17,7 @@ from playwright.sync_api import Page, sync_playwright
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS.parent / "tests/lab"))
 
-from visit import LEMONS, example, fill, link, live, make, plan, show_at, tab, wait  # noqa: E402
+from visit import LEMONS, MORE, example, fill, link, live, make, plan, show_at, tab, wait  # noqa: E402
 
 # Letters of Matplotlib, which is on every machine that makes pictures.
 FONTS = f"""<?xml version="1.0"?>
@@ -38,9 +38,14 @@ THINGS = "button, select, input, canvas, svg, h1, h2, h3, legend, th, td, p"
 
 
 def run(page: Page) -> None:
+    # As a first visitor has it.
+    page.get_by_role("button", name="More", exact=True).click()
+    page.get_by_text("Other questions, and your scenes").click()
     example(page, "The door", 70)
-    page.get_by_label("Forces").check()
-    show_at(page, 5)
+    page.get_by_text("Other questions, and your scenes").click()
+    page.get_by_role("button", name="Until all have left").click()
+    page.get_by_text("All 70 have left after").wait_for(timeout=600_000)
+    page.get_by_role("slider", name="Time").fill("2100")
 
 
 def exits(page: Page) -> None:
@@ -128,6 +133,7 @@ def main(url: str, to: Path) -> dict[str, dict[str, list[list[float]]]]:
         for name, show in PICTURES.items():
             # Nothing moves unless it is asked to.
             page = browser.new_page(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
+            page.add_init_script(MORE)
             page.goto(link(url, {"name": "A push through a row"}))
             page.wait_for_selector("canvas")
             show(page)

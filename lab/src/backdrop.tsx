@@ -7,15 +7,14 @@ import { ready, shape } from "./drawn";
 import type { Backdrop } from "./forms";
 import { MOST } from "./forms";
 import { t } from "./language";
-import { begin as beginMotion } from "./motionstate";
 import { Button, length, LengthField, Range } from "./parts";
 import { change, keysInUse, opened, plan } from "./plan";
 import type { Point } from "./protocol";
 import { distance, rings } from "./roomshape";
-import { begin as beginRoom, room } from "./roomtool";
+import { room } from "./roomtool";
 import { bases, problem, said } from "./session";
 import { brief, keep, kept } from "./store";
-import { lineTool, type Tool } from "./tool";
+import { begun, drawingKey, endOf, hover, mode, over, sketch, turn } from "./tool";
 import { FileInput, tooLong } from "./upload";
 import { inMetres, toPixels, type View } from "./view";
 
@@ -133,22 +132,21 @@ export function reachOfBackdrop(): Point[] {
 }
 
 /** Ends of a line on the picture whose length is known. */
-const ends = signal<Point[]>([]);
-const pointer = signal<Point | null>(null);
+const ends = sketch;
 
-const measure: Tool = {
+over.measure = {
     draws: () => true,
     down: () => true,
-    move: ({ at }) => (pointer.value = at),
+    move: ({ at }) => void (hover.value = at),
     up({ at, reach }) {
         const last = ends.value.at(-1);
         // The second half of a double click ends no line, and begins none.
         if (last && distance(last, at) < reach) return;
         ends.value = ends.value.length === 1 ? [last!, at] : [at];
     },
-    key: (event) => event.key === "Escape" && end(),
+    key: (event) => drawingKey(event, () => {}),
     paint(context, view, inks) {
-        const [from, to] = [ends.value[0], ends.value[1] ?? pointer.value];
+        const [from, to] = [ends.value[0], ends.value[1] ?? hover.value];
         if (from && to) paintMeasure(context, from, to, view, inks);
     },
 };
@@ -162,7 +160,7 @@ function paintMeasure(context: CanvasRenderingContext2D, from: Point, to: Point,
 
 let held: { at: Point; from: Backdrop } | null = null;
 
-const move: Tool = {
+over.move = {
     draws: () => true,
     down({ at }) {
         const now = plan.value.backdrop;
@@ -180,16 +178,14 @@ const move: Tool = {
         if (next) change({ backdrop: next });
     },
     cancel: () => void (held = moved.value = null),
-    key: (event) => event.key === "Escape" && end(),
+    key: (event) => drawingKey(event, () => {}),
 };
 
-function end(): true {
-    if (lineTool.value === measure || lineTool.value === move) lineTool.value = null;
-    ends.value = [];
-    pointer.value = null;
+effect(() => {
+    begun.value;
     held = moved.value = null;
-    return true;
-}
+});
+const end = () => endOf(["measure", "move"]);
 
 // They are of one picture, which lies under one room.
 effect(() => {
@@ -198,15 +194,6 @@ effect(() => {
     opened.value;
     untracked(end);
 });
-
-function begin(tool: Tool) {
-    const on = lineTool.value === tool;
-    end();
-    // Two tools cannot draw at once.
-    beginRoom("change");
-    beginMotion("change");
-    if (!on) lineTool.value = tool;
-}
 
 /** The line gets this length; its first end stays where it is. */
 function setLength(now: Backdrop, known: number) {
@@ -228,8 +215,8 @@ export function BackdropForms() {
     useEffect(() => () => void end(), []);
     if (!now) return null;
     const set = (part: Partial<Backdrop>) => change({ backdrop: { ...now, ...part } });
-    const [from, to] = ends.value;
-    const measuring = lineTool.value === measure;
+    const measuring = mode.value === "measure";
+    const [from, to] = measuring ? ends.value : [];
     return (
         <fieldset class="fields">
             <legend>
@@ -242,8 +229,8 @@ export function BackdropForms() {
                 </>
             )}
             <div class="buttons">
-                <Button words={t("Set the scale by a known length")} aria-pressed={measuring} onClick={() => begin(measure)} />
-                <Button words={t("Move it with the mouse")} aria-pressed={lineTool.value === move} onClick={() => begin(move)} />
+                <Button words={t("Set the scale by a known length")} aria-pressed={measuring} onClick={() => turn("measure")} />
+                <Button words={t("Move it with the mouse")} aria-pressed={mode.value === "move"} onClick={() => turn("move")} />
                 <Button words={t("Remove the picture")} onClick={() => (end(), change({ backdrop: null }))} />
             </div>
             {measuring && !to && <p class="note" role="status">{from ? t("Click the other end of the line.") : t("Click one end of a line whose length you know.")}</p>}

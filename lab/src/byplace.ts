@@ -2,7 +2,7 @@
 
 import { computed, signal } from "@preact/signals";
 import type { Client } from "./client";
-import { averaged, meanWords, round, type Scale, shade, FROM_GREY, VIRIDIS } from "./colour";
+import { averaged, colourOf, isForce, meanWords, round, type Scale, shade, FROM_GREY, VIRIDIS } from "./colour";
 import { table } from "./csv";
 import { circle, type Inks, label, strokes } from "./draw";
 import type { Film } from "./film";
@@ -49,7 +49,7 @@ export class ByPlace {
     #ended = false;
     /** The greatest number of these. */
     #largest: { of: Float64Array; value: number } = { of: new Float64Array(), value: 0 };
-    #image: { of: Float64Array; high: number; canvas: HTMLCanvasElement } | null = null;
+    #image: { of: Float64Array; high: number; ramp: Scale["ramp"]; canvas: HTMLCanvasElement } | null = null;
 
     constructor(
         readonly client: Client,
@@ -153,11 +153,12 @@ export class ByPlace {
         return this.#largest.value;
     }
 
+    /** A ramp has one meaning at a time: the map has that which people do not have. */
     scale(kind: Kind): Scale {
         const other = this.beside.value;
         const largest = Math.max(this.#most(kind), other ? other.#most(kind) : 0);
         const density = kind === "density";
-        return { label: t(NAMES[kind]), unit: density ? t("per m²") : "N", low: 0, high: round(largest || 1), largest, ramp: density ? VIRIDIS : FROM_GREY.light };
+        return { label: t(NAMES[kind]), unit: density ? t("per m²") : "N", low: 0, high: round(largest || 1), largest, ramp: isForce(colourOf(this.film, plan.value.colour)) ? VIRIDIS : FROM_GREY.light };
     }
 
     /** The value at a place. */
@@ -191,7 +192,7 @@ export class ByPlace {
         const filled = this.filled.value;
         if (!filled) return null;
         const values = this.numbers(kind);
-        if (this.#image?.of === values && this.#image.high === scale.high) return this.#image.canvas;
+        if (this.#image?.of === values && this.#image.high === scale.high && this.#image.ramp === scale.ramp) return this.#image.canvas;
         const { columns, rows } = filled.grid;
         const canvas = document.createElement("canvas");
         [canvas.width, canvas.height] = [columns, rows];
@@ -209,7 +210,7 @@ export class ByPlace {
             for (let part = 0; part < 4; part++) pixels[at + part] = parts[part]!;
         }
         context.putImageData(image, 0, 0);
-        this.#image = { of: values, high: scale.high, canvas };
+        this.#image = { of: values, high: scale.high, ramp: scale.ramp, canvas };
         return canvas;
     }
 

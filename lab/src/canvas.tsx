@@ -8,7 +8,6 @@ import { averaged, colourOf, isForce, scaleOf, shade, values } from "./colour";
 import { type Inks, inksOf, label, Painter, paintBar, paintPush, paintWays } from "./draw";
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
-import { throughWalls } from "./hints";
 import { kept } from "./kept";
 import { count, t } from "./language";
 import { empty, hovered, type Layers, show } from "./layout";
@@ -21,13 +20,8 @@ import { COLUMNS, isThere, type Point } from "./protocol";
 import { heightOf, sceneAt } from "./sections";
 import { film, selected } from "./session";
 import { paintStuck } from "./stuck";
-import { lineTool, type Pointer, type Tool, tool } from "./tool";
+import { active, type Pointer, type Tool, tool } from "./tool";
 import { fitting, inMetres, toMetres, toPixels, type View, zoomed } from "./view";
-
-/** The tool of the line, while it is drawn; else that of the tab. */
-function active(): Tool | null {
-    return lineTool.value ?? tool.value;
-}
 
 export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
     const element = useRef<HTMLCanvasElement>(null);
@@ -78,7 +72,7 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
     return (
         <canvas
             ref={element}
-            class={active()?.draws?.() ? "draws" : hovered.value !== null ? "over-person" : undefined}
+            class={active.value?.draws?.() ? "draws" : hovered.value !== null ? "over-person" : undefined}
             tabIndex={0}
             role="application"
             aria-label={count(film.scene.agents.length, "{n} person from above", "{n} people from above")}
@@ -101,7 +95,7 @@ function reach({ scene }: Film): Point[] {
 function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter, frame: Float32Array, layers: Layers, now: View, inks: Inks) {
     const { scene } = film;
     const { tab, colour, unit, view: kind, line, area } = plan.value;
-    const helper = active();
+    const helper = active.value;
     // While it plays, a picture follows anyway: none is needed because frames were computed.
     const scale = film.playing.value ? untracked(() => scaleOf(film, colour)) : scaleOf(film, colour);
     const shades = Array.from(values(film, film.shown.value, colour), (value) => shade(scale, value));
@@ -128,7 +122,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     const { motion } = plan.value.made;
     const time = film.place.value * scene.step;
     paintWays(context, scene.ways, now, inks, null, tab === "motion");
-    for (const { at } of throughWalls(scene)) label(context, t("✕ wall"), at, now, inks);
+    for (const [, at] of scene.crossed) label(context, t("✕ wall"), at, now, inks);
     paintPlaces(context, scene.targets, now, inks);
     if (motion.kind === "push" && !empty.value) for (const push of motion.pushes) paintPush(context, push, time, now, inks);
     if (line) paintLine(context, line, now, inks);
@@ -195,7 +189,7 @@ function openByKey(on: HTMLCanvasElement, film: Film) {
 
 /** Selects with arrows, N and P. */
 function key(event: KeyboardEvent, film: Film) {
-    const helper = active();
+    const helper = active.value;
     if (helper?.key?.(event)) return event.preventDefault();
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const people = film.scene.agents.length;
@@ -287,7 +281,7 @@ function useHands(agentAt: (at: Point) => number | null) {
         const double = near && event.timeStamp - state.last.time < 350;
         state.last = { time: event.timeStamp, at };
         state.start = at;
-        state.tool = active();
+        state.tool = active.value;
         state.mode = event.button === 0 && state.tool?.down?.(pointer(event, double)) ? "pressed" : "ground";
         // What is drawn on should not move, nor people meanwhile.
         if (state.mode === "pressed") {
@@ -302,7 +296,7 @@ function useHands(agentAt: (at: Point) => number | null) {
             const where = pointer(event);
             pointed.value = where.at;
             hovered.value = event.pointerType === "mouse" ? where.agent : null;
-            return active()?.move?.(where, false);
+            return active.value?.move?.(where, false);
         }
         hovered.value = null;
         if (state.mode === "pinch" && state.fingers.size === 2) {

@@ -3,6 +3,7 @@
 import { effect, signal } from "@preact/signals";
 import { type ComponentChildren, Fragment } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
+import { askedOf } from "./answer";
 import { Inside } from "./area";
 import { averaged, meanWords } from "./colour";
 import type { Film } from "./film";
@@ -124,17 +125,18 @@ export function Charts({ film }: { film: Film }) {
         flow: () => line && <FlowChart film={film} line={line} ends={ends} end={end} />,
     };
     const offered = CHARTS.filter(([key]) => (key === "left" ? scene.leaving > 0 : key === "density" ? area : key === "chest" ? scene.chests : key !== "flow" || line));
-    const chosen = plan.value.chart;
-    const one = offered.some(([key]) => key === chosen);
+    const { chart } = plan.value;
+    const asked = askedOf(film) === "squeeze" ? "greatest" : "left";
+    const chosen = chart === "all" || offered.some(([key]) => key === chart) ? (chart as Chart | "all") : asked;
     return (
         <section class="charts" aria-label={t("Charts")}>
-            <Choice label={t("Chart")} value={one || chosen === "all" ? chosen : "greatest"} choices={[...offered, ["all", t("All of them")]]} onChange={(chart) => change({ chart })} />
-            {chosen === "all" ? offered.map(([key]) => <Fragment key={key}>{charts[key]()}</Fragment>) : charts[one ? chosen : "greatest"]()}
+            <Choice label={t("Chart")} value={chosen} choices={[...offered, ["all", t("All of them")]]} onChange={(chart) => change({ chart })} />
+            {chosen === "all" ? offered.map(([key]) => <Fragment key={key}>{charts[key]()}</Fragment>) : charts[chosen]()}
         </section>
     );
 }
 
-type Chart = Exclude<Plan["chart"], "all">;
+type Chart = Exclude<Plan["chart"], "all" | "asked">;
 const CHARTS: [Chart, string][] = [
     ["greatest", t("Greatest squeeze [N]")],
     ["mean", t("Mean squeeze [N]")],

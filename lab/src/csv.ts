@@ -78,10 +78,9 @@ interface Leaving {
 /** What was found of a film, up to a frame. */
 const found = new WeakMap<Film, { k: number; all: Leaving[]; gone: Set<number> }>();
 
-/** Who has left, in this order, up to the last frame that was shown or asked for. */
-function leavings(film: Film): Leaving[] {
+/** Who has left, in this order, up to a frame. */
+export function leavings(film: Film, last: number): Leaving[] {
     const { frames, scene } = film;
-    const last = film.reached.value;
     const left = frames.curve("left");
     const exits = scene.targets.filter(({ stay }) => !stay);
     const known = found.get(film) ?? { k: 0, all: [], gone: new Set<number>() };
@@ -103,13 +102,13 @@ function leavings(film: Film): Leaving[] {
 }
 
 export function leavingCsv(film: Film): string {
-    const rows = leavings(film).map(({ agent, frame, exit }) => [film.scene.agents[agent]!.id, time(film, frame), exit]);
+    const rows = leavings(film, film.reached.value).map(({ agent, frame, exit }) => [film.scene.agents[agent]!.id, time(film, frame), exit]);
     return table([["id", "left [s]", "exit"], ...rows]);
 }
 
 /** How many have left by each exit, and people per second from the first to the last of them. */
-export function perExit(film: Film): { name: string; people: number; flow: number | null }[] {
-    const all = leavings(film);
+export function perExit(film: Film, last = film.reached.value): { name: string; people: number; flow: number | null }[] {
+    const all = leavings(film, last);
     return film.scene.targets
         .filter(({ stay }) => !stay)
         .map(({ name }) => {

@@ -283,6 +283,13 @@ export class Painter {
             context.stroke();
         };
         const { walls, grounds, links } = this.scene;
+        context.fillStyle = inks.ink;
+        context.globalAlpha = 0.2;
+        for (const { corners } of walls.filter(({ obstacle }) => obstacle)) {
+            through(context, corners);
+            context.fill();
+        }
+        context.globalAlpha = 1;
         for (const dashed of [false, true]) {
             lines(walls.filter(({ open }) => isOpen(open, time) === dashed).map(({ corners }) => corners as Point[]), dashed);
         }
@@ -329,7 +336,8 @@ export function paintPush(context: CanvasRenderingContext2D, push: Push, time: n
     context.strokeStyle = inks.mark;
     context.fillStyle = inks.mark;
     circle(context, push.at, push.radius);
-    context.globalAlpha = 0.08 + 0.4 * acting;
+    // People in it are seen.
+    context.globalAlpha = 0.08;
     context.fill();
     context.globalAlpha = 1;
     context.lineWidth = (picked ? 3 : 1.5 + 2 * acting) * pixel;

@@ -13,6 +13,8 @@ export interface Example {
     /** Of so many people. */
     question(people: number): string;
     sentence: string;
+    /** When all have left, by which exits, or how hard people are squeezed; without, the first where people leave, else the last. */
+    asks?: "exits" | "squeeze";
     made: Made;
 }
 
@@ -87,7 +89,7 @@ export const EXAMPLES: Example[] = [
     },
     {
         name: "A push through a row",
-        question: () => t("How far does a push go?"),
+        question: () => t("How hard does a push press?"),
         sentence: t("The last of five people in a row is pushed, and the push travels from back to back."),
         made: { base: { kind: "example", name: "push" }, edits: [], motion: { kind: "own" } },
     },
@@ -103,6 +105,7 @@ export const EXAMPLES: Example[] = [
     {
         name: "Two exits",
         question: () => t("Which exit do people take?"),
+        asks: "exits",
         sentence: t("60 people go round a pillar and leave, each by the exit by which they expect to be out first."),
         made: crowd(
             {
@@ -130,6 +133,7 @@ export const EXAMPLES: Example[] = [
     {
         name: "A stadium's vomitory",
         question: () => t("Where do spectators press?"),
+        asks: "squeeze",
         sentence: t("130 spectators go round a pillar and leave through a tunnel, 2.5 m wide and 8 m long."),
         made: crowd(
             {

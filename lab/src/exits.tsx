@@ -1,9 +1,8 @@
 // Exits and goals, as forms.
 
-import type { ComponentChildren } from "preact";
 import { middleOf } from "./drawplaces";
 import { inner, t } from "./language";
-import { begin, mode as now, type Mode, picked } from "./motionstate";
+import { picked } from "./motionstate";
 import { MOST } from "./forms";
 import { OpenTimes } from "./opentimes";
 import { remove, setDecision } from "./exittool";
@@ -29,17 +28,8 @@ export function BalanceChoice({ value, onChange }: { value: BalanceName; onChang
     );
 }
 
-const ENDS = t("Enter, a double click or a click on the first corner ends it.");
-const HINTS: Partial<Record<Mode, string>> = {
-    "exit line": t("Click both ends of the line that people cross to leave."),
-    "exit area": t("Click the corners of the area in which people leave. {ends}", { ends: ENDS }),
-    "goal line": t("Click both ends of the line where people stay."),
-    "goal area": t("Click the corners of the area in which people stay. {ends}", { ends: ENDS }),
-};
-
 export function Exits({ decision, middle }: { decision: DecisionConfig; middle: Point }) {
     const places = placesOf(decision);
-    const hint = HINTS[now.value];
     return (
         <>
             <Choice label={t("How they walk among others")} value={decision.model} choices={MODEL_NAMES.map((name) => [name, MODELS[name].name])} onChange={(model) => setDecision({ ...decision, model, rotational: null })} />
@@ -59,10 +49,8 @@ export function Exits({ decision, middle }: { decision: DecisionConfig; middle: 
                 <NumberField label={t("Seed")} value={decision.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => setDecision({ ...decision, seed })} />
             </div>
             <KindSpeeds />
-            {places.length < MOST.places && <Draw decision={decision} middle={middle} />}
-            <p class="note" role="status">
-                {hint ? `${hint} ${t("Esc ends it without a change.")} ${t("Hold Shift for right angles.")}` : t("Drag corners on the picture, or all of it by its name; Delete removes what is marked.")}
-            </p>
+            {places.length < MOST.places && <Write decision={decision} middle={middle} />}
+            <p class="note">{t("Drag corners on the picture, or all of it by its name; Delete removes what is marked.")}</p>
             {places.length === 0 && <p class="note">{t("There is no exit yet: nobody walks. Put exits about 1 m beyond doors, where they hold nobody up.")}</p>}
             {decision.exits.length > 1 && (
                 <Check
@@ -127,46 +115,20 @@ function whoGoesWhere(decision: DecisionConfig) {
     return goals.length > 0 ? `${exit} ${t("To a goal go those for whom you choose it here.")}` : exit;
 }
 
-function Draw({ decision, middle }: { decision: DecisionConfig; middle: Point }) {
+function Write({ decision, middle: [x, y] }: { decision: DecisionConfig; middle: Point }) {
     const doors = film.value?.scene.beyond_doors ?? [];
     const known = decision.exits.map(({ line }) => JSON.stringify(line));
     const missing = doors.filter((line) => !known.includes(JSON.stringify(line)));
+    const add = (kind: Kind) => setDecision(added(decision, kind, [[x, y - 0.5], [x, y + 0.5]]));
     return (
         <>
-            <Ways kind="exit" decision={decision} middle={middle}>
+            <div class="buttons">
                 <Button words={t("Put an exit beyond each door")} disabled={missing.length === 0} onClick={() => setDecision(missing.reduce((all, line) => added(all, "exit", line, "door"), decision))} />
-            </Ways>
-            <Ways kind="goal" decision={decision} middle={middle} />
+                <Button words={t("Add an exit by numbers")} onClick={() => add("exit")} />
+                <Button words={t("Add a goal by numbers")} onClick={() => add("goal")} />
+            </div>
             {doors.length === 0 && <p class="note">{t("The room on the picture has no doors of the tab Room.")}</p>}
         </>
-    );
-}
-
-/** How an exit or a goal can be made. */
-function Ways({ kind, decision, middle: [x, y], children }: { kind: Kind; decision: DecisionConfig; middle: Point; children?: ComponentChildren }) {
-    const words = kind === "exit" ? t("An exit") : t("A goal");
-    const line: Point[] = [
-        [x, y - 0.5],
-        [x, y + 0.5],
-    ];
-    return (
-        <fieldset class="fields">
-            <legend>{words}</legend>
-            <div class="buttons">
-                {(["line", "area"] as const).map((shape) => {
-                    const key: Mode = `${kind} ${shape}`;
-                    return (
-                        <button key={key} type="button" aria-pressed={now.value === key} onClick={() => begin(now.value === key ? "change" : key)}>
-                            <span class="hidden">{words}: </span>{shape === "line" ? t("Draw a line") : t("Draw an area")}
-                        </button>
-                    );
-                })}
-                <button type="button" onClick={() => setDecision(added(decision, kind, line))}>
-                    <span class="hidden">{words}: </span>{t("Write numbers")}
-                </button>
-                {children}
-            </div>
-        </fieldset>
     );
 }
 

@@ -3,14 +3,14 @@
 import { label } from "./draw";
 import { middleOf, paintHandles, paintPlaces } from "./drawplaces";
 import { MOST } from "./forms";
-import { addPoint, begin, clicks, dragged, hover, mode, motion, picked, setMotion, sketch, standing, toolKey } from "./motionstate";
+import { addPoint, dragged, motion, picked, setMotion, standing, toolKey } from "./motionstate";
 import { length } from "./parts";
 import { added, changed, cornersOf, type Kind, kindOf, placesOf, removed, shaped } from "./places";
 import { plan } from "./plan";
 import type { DecisionConfig, Motion, Point } from "./protocol";
 import { distance, snapped, squared } from "./roomshape";
 import { film } from "./session";
-import type { Pointer, Tool } from "./tool";
+import { begin, clicks, hover, mode, type Pointer, sketch, type Tool } from "./tool";
 
 /** What is dragged: a corner by its number, or all of it. */
 let part: number | "all" = "all";

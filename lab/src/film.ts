@@ -107,20 +107,16 @@ export class Film {
         await this.#computing;
     }
 
-    /** Computes up to a frame, without showing it; or no further than now. */
-    async compute(to: number | null) {
+    /** Computes no further than it shows. */
+    stop() {
         this.bound.value = null;
-        await this.#computeTo(to ?? 0);
+        this.wanted.value = 0;
     }
 
     /** Computes until all have left who have an exit, or up to a time in s. */
     async computeUntilLeft(seconds: number) {
         this.bound.value = seconds;
-        await this.#computeTo(this.emptied.value ?? Math.min(Math.round(seconds / this.scene.step), this.most - 1));
-    }
-
-    async #computeTo(frame: number) {
-        this.wanted.value = frame;
+        this.wanted.value = this.emptied.value ?? Math.min(Math.round(seconds / this.scene.step), this.most - 1);
         this.#sought = 0;
         await this.#compute();
     }

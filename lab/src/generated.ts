@@ -88,7 +88,7 @@ export type LayerFound = { name: string, sort: string, lines: number, };
 export type LevelsForm = number | Array<number>;
 
 /** How long people were above a limit. */
-export type Limit = { above: AboveLimit | null, };
+export type Limit = { above: AboveLimit | null, worst: Sustained | null, };
 
 /** Frames more about a limit. */
 export type LimitRequest = { number: number, people: number, step: number, limit: number, over: number, from: number, };
@@ -191,7 +191,7 @@ export type Rotational = { time_gap: number, standstill_gap: number, reaction_ti
 export type Scenario = { box: Pair | null, geometry: string | null, drawing: DrawingForm, room: Room | null, doors: Array<Array<number>>, regions: Array<RegionForm>, grounds: Array<GroundForm>, links: Array<LinkForm>, sources: Array<SourceForm>, number: number | null, density: number | null, seed: number | null, people: People, men: number | null, pedestrians: number | null, mix: Record<string, number | "rest">, packing: Method, orientation: OrientationName | null, direction: number | null, allow_overlap: boolean, material: string | null, friction: number | null, round: boolean, levels: LevelsForm | null, time_step: number | null, panel_length: number | null, speed: number | null, leave: boolean, pushes: Array<Push>, decision: DecisionConfig, };
 
 /** A scene. */
-export type Scene = { run: number, name: string, agents: Array<AgentShown>, kinds: { [key in string]: Array<string> }, walls: Array<WallShown>, grounds: Array<Array<[number, number]>>, links: Array<Array<[number, number]>>, step: number, mechanical_step: number, stable: number | null, longest: number | null, advised: number | null, error: number | null, warnings: Array<Message>, materials: Array<Material2d>, contacts: Array<Contact<number>>, chests: boolean, levels: Array<[number, number]>, further: number, overlapping: Array<number>, overlap: number, pushed: Array<string>, walk: boolean, ways: Array<Array<Waypoint>>, targets: Array<Target>, leaving: number, beyond_doors: Array<[[number, number], [number, number]]>, people: Array<PersonDrawn | null> | null, };
+export type Scene = { run: number, name: string, agents: Array<AgentShown>, kinds: { [key in string]: Array<string> }, walls: Array<WallShown>, grounds: Array<Array<[number, number]>>, links: Array<Array<[number, number]>>, step: number, mechanical_step: number, stable: number | null, longest: number | null, advised: number | null, error: number | null, warnings: Array<Message>, materials: Array<Material2d>, contacts: Array<Contact<number>>, chests: boolean, levels: Array<[number, number]>, further: number, overlapping: Array<number>, overlap: number, pushed: Array<string>, walk: boolean, ways: Array<Array<Waypoint>>, crossed: Array<[number, [number, number]]>, targets: Array<Target>, leaving: number, beyond_doors: Array<[[number, number], [number, number]]>, people: Array<PersonDrawn | null> | null, };
 
 /** A section. */
 export type Section = { heading: Message, blocks: Array<Block>, };
@@ -214,6 +214,9 @@ export type Summary = { measure: string, unit: string, mean: number, sd: number 
 /** The numbers of a surface. */
 export type Surface = { vertices: number, triangles: number, };
 
+/** The greatest of everybody's means of 1 s. */
+export type Sustained = { squeeze: number, who: number, at: number, };
+
 /** An exit or a goal. */
 export type Target = { name: string, stay: boolean, corners: Array<[number, number]>, open?: Array<[number, number]>, most?: number, time_factor?: number, };
 
@@ -224,7 +227,7 @@ export type Understood = { room: Room | null, exits: Array<ExitFound>, distribut
 export type WalkingModelName = "rotational" | "collision-free-speed" | "social-force" | "straight";
 
 /** A wall of a scene. */
-export type WallShown = { id: string, corners: Array<[number, number]>, open?: Array<[number, number]>, heights?: [number, number], };
+export type WallShown = { id: string, corners: Array<[number, number]>, obstacle: boolean, open?: Array<[number, number]>, heights?: [number, number], };
 
 /** A way-point. */
 export type Waypoint = { x: number, y: number, radius: number, };

@@ -2,6 +2,7 @@
 
 import { effect, signal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
+import { leftWords } from "./answer";
 import { ByPlace, byPlace, mapKind } from "./byplace";
 import { Client, Stopped } from "./client";
 import { averaged, colourOf, isKnown, meanWords, scaleOf, shade, values } from "./colour";
@@ -14,9 +15,10 @@ import { calmly, canvas } from "./layout";
 import { fitted, look, view as shown } from "./look";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
+import { openWords } from "./opentimes";
 import { Button, digits, named } from "./parts";
 import { type Made, plan, scene } from "./plan";
-import type { Opened, OpenTime } from "./protocol";
+import type { Opened } from "./protocol";
 import { heightOf, sceneAt } from "./sections";
 import { film, sent } from "./session";
 import { walkingSeed } from "./sweep";
@@ -31,11 +33,6 @@ effect(() => {
     const other = kept.value?.film;
     if (now) now.least = other ? Math.round(((other.emptied.value ?? 0) * other.scene.step) / now.scene.step) : 0;
 });
-
-/** When something is open; empty if that is always. */
-export function openWords(times?: OpenTime[] | null): string {
-    return (times ?? []).map(([from, to]) => t("open from {from} to {to} s", { from, to })).join(", ");
-}
 
 /** What a scene was made of, in a few words each. */
 function factsOf({ base: crowd, motion, mechanics, edits }: Made): string[] {
@@ -201,7 +198,7 @@ export function Now({ film: run, of }: { film: Film; of: Film }) {
     const most = digits(squeezes.reduce((one, other) => Math.max(one, other), 0), 3);
     const words = [
         wanted > run.frames.count - 1 && t("(only computed up to {end} s)", { end: ((run.frames.count - 1) * step).toFixed(1) }),
-        leaving > 0 && (over ? t("All {n} have left after {time} s.", { n: leaving, time: (all * step).toFixed(2) }) : t("{left} of {n} have left.", { left: run.frames.curve("left")[k]!, n: leaving })),
+        leaving > 0 && leftWords(run, k),
         over ? t("Greatest squeeze so far: {most} N", { most }) : t("Greatest squeeze: {now} N, so far {most} N", { now: digits(squeezes[k]!, 3), most }),
     ];
     return <>{`${words.filter(Boolean).join(" ")} (${meanWords(run, k)}).`}</>;

@@ -73,7 +73,9 @@ const WIDEST = 0.15;
 /** Force chains: a line for each two that touch, as wide as the force is large. */
 export class Chains {
     #pairs = signal<Float64Array>(new Float64Array());
-    #largest = signal(0);
+    #now = signal(0);
+    /** The force of a line of the greatest width. */
+    #scale = 0;
     #there = -1;
     #asked = new Latest<number>(async (k) => {
         const { film } = this;
@@ -90,9 +92,9 @@ export class Chains {
 
     constructor(readonly film: Film) {}
 
-    /** The force of the widest line, in N; 0 where nothing pressed yet. */
+    /** The force of the widest line that is shown, in N; 0 where nothing presses. */
     get largest() {
-        return this.#largest.value;
+        return this.#now.value;
     }
 
     /** Asks for the forces of a frame, one frame after the other. Who paints is told by a signal. */
@@ -104,19 +106,18 @@ export class Chains {
         let largest = 0;
         for (let at = PAIR - 1; at < pairs.length; at += PAIR) largest = Math.max(largest, pairs[at]!);
         // The same width is the same force throughout a run, unless forces grow.
-        if (largest > this.#largest.peek()) this.#largest.value = round(largest);
+        if (largest > this.#scale) this.#scale = round(largest);
+        this.#now.value = largest;
         this.#pairs.value = pairs;
     }
 
     paint(context: CanvasRenderingContext2D, view: View) {
         const pairs = this.#pairs.value;
-        const largest = this.#largest.value;
-        if (!largest) return;
         context.setTransform(1, 0, 0, 1, 0, 0);
         context.strokeStyle = colour(context, "--mark");
         context.lineCap = "round";
         for (let at = 0; at < pairs.length; at += PAIR) {
-            context.lineWidth = (WIDEST * view.scale * pairs[at + 4]!) / largest;
+            context.lineWidth = (WIDEST * view.scale * pairs[at + 4]!) / this.#scale;
             context.beginPath();
             context.moveTo(view.x + view.scale * pairs[at]!, view.y - view.scale * pairs[at + 1]!);
             context.lineTo(view.x + view.scale * pairs[at + 2]!, view.y - view.scale * pairs[at + 3]!);

@@ -34,7 +34,7 @@ export function shown(value: number, unit: string) {
 export function Legend({ film }: { film: Film }) {
     if (film.playing.value) beat.value;
     else film.computed.value;
-    const { most, smooth, map, view } = plan.value;
+    const { most, smooth, map, view, more: all } = plan.value;
     const colour = colourOf(film, plan.value.colour);
     const choices = COLOURED.filter(([key]) => isKnown(film, key));
     const scale = scaleOf(film, colour);
@@ -44,8 +44,8 @@ export function Legend({ film }: { film: Film }) {
     return (
         <div class="legend">
             <Choice label={t("Colour")} value={colour} choices={choices} onChange={(next) => change({ colour: next })} />
-            {view !== "3d" && <Choice label={t("Map")} value={map} choices={MAPS} onChange={(next) => change({ map: next })} />}
-            {(isForce(colour) || map === "mean" || map === "greatest") && <Choice label={t("mean of")} value={String(smooth)} choices={MEANS} onChange={(next) => change({ smooth: Number(next) })} />}
+            {view !== "3d" && (all || map !== "none") && <Choice label={t("Map")} value={map} choices={MAPS} onChange={(next) => change({ map: next })} />}
+            {(all || smooth !== 0.1) && (isForce(colour) || map === "mean" || map === "greatest") && <Choice label={t("mean of")} value={String(smooth)} choices={MEANS} onChange={(next) => change({ smooth: Number(next) })} />}
             {scale.kinds ? <Kinds kinds={scale.kinds} /> : <Numeric scale={scale} more={more} />}
             <Things film={film} />
             {colour === "level" && view === "3d" && (

@@ -8,8 +8,6 @@ import { brief, digits, Facts, NumberField } from "./parts";
 import { change, plan } from "./plan";
 import type { Limit as Told } from "./protocol";
 
-type Known = Told["above"];
-
 /** Frames of a mean over so many seconds. */
 export function framesOf({ scene }: Pick<Film, "scene">, seconds: number): number {
     return Math.max(1, Math.round(seconds / scene.step));
@@ -22,23 +20,25 @@ const NUMBERS = 4;
 let last = 0;
 
 /** What the lab knows of each run: the limit, and the frame that is next. */
-const known = new WeakMap<Film, { number: number; of: string; next: number; found: Known }>();
+const known = new WeakMap<Film, { number: number; of: string; next: number; found: Told }>();
 
-/** How long people were above the limit up to a frame, as `lemons measure --above` has it. */
-function found(film: Film, to: number): Known {
+/** How long people were above the limit, as `lemons measure --above` has it, and the greatest mean of 1 s; up to the last frame
+ * that was shown or asked for. */
+function found(film: Film): Told {
+    const to = film.playing.value ? film.reached.peek() : film.reached.value;
     const { force, seconds } = plan.value.limit;
     const { frames, scene } = film;
     const of = `${force} ${seconds}`;
     const before = known.get(film);
     const fresh = before?.of !== of || before.next > to + 1;
-    const state = { number: before?.number ?? last++ % NUMBERS, of, next: fresh ? 0 : before.next, found: fresh ? null : before.found };
+    const state = { number: before?.number ?? last++ % NUMBERS, of, next: fresh ? 0 : before.next, found: fresh ? { above: null, worst: null } : before.found };
     known.set(film, state);
     const most = Math.max(1, Math.floor(MOST_BYTES / (8 * Math.max(1, frames.agents))));
     while (state.next <= to) {
         const end = Math.min(to + 1, state.next + most);
         const wanted = { number: state.number, people: frames.agents, step: scene.step, limit: force, over: seconds, from: state.next };
         try {
-            state.found = limit(wanted, frames.squeezes(state.next, end)).above;
+            state.found = limit(wanted, frames.squeezes(state.next, end));
             state.next = end;
         } catch (error) {
             // Another run may have had the number.
@@ -49,14 +49,19 @@ function found(film: Film, to: number): Known {
     return state.found;
 }
 
-/** What is told of the limit, up to the last frame that was shown or asked for. */
+/** The greatest mean of 1 s of anybody's squeeze; null: none yet. */
+export function worst(film: Film): Told["worst"] {
+    if (film.playing.value) beat.value;
+    return ready() && film.scene.agents.length > 0 ? found(film).worst : null;
+}
+
+/** What is told of the limit. */
 export function aboveLimit(film: Film): [string, string][] {
     const { seconds } = plan.value.limit;
     const { step, agents } = film.scene;
-    const to = film.playing.value ? film.reached.peek() : film.reached.value;
     const name = t("Ever above the limit");
     if (!ready() || agents.length === 0) return [];
-    const seen = found(film, to);
+    const seen = found(film).above;
     if (!seen) return [[name, step > seconds ? t("not known: a step is longer than {seconds} s", { seconds }) : t("nothing yet: the run is shorter than {seconds} s", { seconds })]];
     const { people, first, longest, who, time } = seen;
     if (first === null) return [[name, t("nobody")]];

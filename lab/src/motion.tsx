@@ -7,13 +7,13 @@ import { BalanceChoice, Exits, KindSpeeds } from "./exits";
 import { exitTool } from "./exittool";
 import { MOST } from "./forms";
 import { t } from "./language";
-import { begin, mode, motion, picked, setMotion } from "./motionstate";
+import { motion, picked, setMotion } from "./motionstate";
 import { FIRST_PUSH, FIRST_RADIUS, motionTool, remove, withWay } from "./motiontool";
 import { Button, Check, Choice, LengthField, NumberField, PointFields, PointRow } from "./parts";
 import { FIRST_DECISION } from "./places";
 import { isThere, type Motion, type Push, type Waypoint } from "./protocol";
 import { bases, film } from "./session";
-import { useTool } from "./tool";
+import { begin, MOTION, useTool } from "./tool";
 
 const KINDS: [Motion["kind"], name: string, sentence: string][] = [
     ["own", t("As the scene itself says"), t("An example or an opened Trial brings its own drive; people of a crowd walk one way if the tab Crowd says so.")],
@@ -52,15 +52,9 @@ export function setKind(kind: Motion["kind"]) {
 }
 
 export function MotionTab() {
-    useEffect(
-        () => () => {
-            begin("change");
-            picked.value = null;
-        },
-        [],
-    );
+    useEffect(() => () => void (picked.value = null), []);
     const now = motion.value;
-    useTool(now.kind === "go" ? exitTool : motionTool);
+    useTool(now.kind === "go" ? exitTool : motionTool, MOTION);
     return (
         <section class="panel" aria-label={t("Motion")}>
             <h2>{t("Motion")}</h2>
@@ -85,17 +79,14 @@ function middle(): [number, number] {
     return frame?.length && isThere(frame, 0) ? [Number(frame[0]!.toFixed(2)), Number(frame[1]!.toFixed(2))] : [0, 0];
 }
 
-function Drawing({ kind, words, hint, onWrite, write }: { kind: "push" | "way"; words: string; hint: string; write: string; onWrite(): void }) {
-    const on = mode.value === kind;
+/** Beside what is drawn on the picture. */
+function Write({ words, onClick }: { words: string; onClick(): void }) {
     return (
         <>
             <div class="buttons">
-                <Button words={words} aria-pressed={on} onClick={() => begin(on ? "change" : kind)} />
-                <Button words={write} onClick={onWrite} />
+                <Button words={words} onClick={onClick} />
             </div>
-            <p class="note" role="status">
-                {on ? `${hint} ${t("Esc ends it without a change.")}` : t("What is drawn can be dragged on the picture; Delete removes what is marked.")}
-            </p>
+            <p class="note">{t("What is drawn can be dragged on the picture; Delete removes what is marked.")}</p>
         </>
     );
 }
@@ -116,15 +107,7 @@ function Pushes({ now }: { now: Extract<Motion, { kind: "push" }> }) {
     const set = (k: number, part: Partial<Push>) => setMotion({ ...now, pushes: pushes.map((push, j) => (j === k ? { ...push, ...part } : push)) });
     return (
         <>
-            {pushes.length < MOST.parts && (
-                <Drawing
-                    kind="push"
-                    words={t("Draw a push")}
-                    hint={t("Press at the middle of the circle and draw the arrow: 1 m of it is 500 N.")}
-                    write={t("Add a push by numbers")}
-                    onWrite={() => setMotion({ ...now, pushes: [...pushes, { ...FIRST_PUSH, at: middle() }] })}
-                />
-            )}
+            {pushes.length < MOST.parts && <Write words={t("Add a push by numbers")} onClick={() => setMotion({ ...now, pushes: [...pushes, { ...FIRST_PUSH, at: middle() }] })} />}
             <Drawn parts={pushes} name={(n) => t("Push {n}", { n })} none={t("There is no push yet: nobody moves.")}>
                 {(push, k) => {
                     const name = t("Push {n}", { n: k + 1 });
@@ -176,15 +159,7 @@ function Walk({ now }: { now: Extract<Motion, { kind: "walk" }> }) {
         <>
             <NumberField label={t("Desired speed")} unit="m/s" value={speed} min={0} max={20} step={0.1} onChange={(next) => setMotion({ ...now, speed: next })} />
             <KindSpeeds />
-            {ways.length < MOST.ways && (
-                <Drawing
-                    kind="way"
-                    words={t("Draw a way")}
-                    hint={t("Click its points one after the other. Enter or a double click ends it.")}
-                    write={t("Add a way by numbers")}
-                    onWrite={add}
-                />
-            )}
+            {ways.length < MOST.ways && <Write words={t("Add a way by numbers")} onClick={add} />}
             {(ways.length > 1 || shares) && <Check label={t("Each way gets a share of the people")} value={shares !== null} onChange={(on) => setMotion({ ...now, shares: on ? ways.map(() => 1) : null })} />}
             {shares && <NumberField label={t("Seed")} value={seed} min={0} max={2 ** 53 - 1} step={1} onChange={(next) => setMotion({ ...now, seed: next })} />}
             <Drawn parts={ways} name={(n) => t("Way {n}", { n })} none={t("There is no way yet: nobody walks.")}>

@@ -2,10 +2,10 @@
 
 import { ARROW, label, paintPush, paintWays, tip } from "./draw";
 import { MOST } from "./forms";
-import { addPoint, begin, clicks, dragged, hover, mode, motion, picked, setMotion, sketch, standing, toolKey } from "./motionstate";
+import { addPoint, dragged, motion, picked, setMotion, standing, toolKey } from "./motionstate";
 import type { Motion, Point, Push, Waypoint } from "./protocol";
 import { distance, snapped } from "./roomshape";
-import type { Pointer, Tool } from "./tool";
+import { begin, clicks, hover, mode, type Pointer, sketch, type Tool } from "./tool";
 
 /** Which part is dragged: of a push its middle, rim or tip; of a way the number of a point. */
 let part: "middle" | "rim" | "tip" | number = "middle";

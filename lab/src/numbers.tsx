@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
+import { worstWords } from "./answer";
 import { averaged, meanWords } from "./colour";
 import { moreThan } from "./distribution";
 import type { Film } from "./film";
@@ -21,6 +22,7 @@ import { Stuck } from "./stuck";
 
 export function Numbers({ film }: { film: Film }) {
     const playing = film.playing.value;
+    const { more } = plan.value;
     // Nobody reads sixty numbers in a second.
     const k = calmly(film, film.shown);
     return (
@@ -28,19 +30,27 @@ export function Numbers({ film }: { film: Film }) {
             <h2>{t("Run")}</h2>
             <Facts rows={ofRun(film, k)} />
             <Stuck film={film} k={k} />
-            <Limit film={film} />
-            <details>
-                <summary>{t("Steps and cost")}</summary>
-                <Facts rows={details(film, playing)} />
-            </details>
-            <details>
-                <summary>{t("Materials and steps")}</summary>
-                <MechanicsForm film={film} />
-            </details>
+            {more && (
+                <>
+                    <Limit film={film} />
+                    <details>
+                        <summary>{t("Steps and cost")}</summary>
+                        <Facts rows={details(film, playing)} />
+                    </details>
+                    <details>
+                        <summary>{t("Materials and steps")}</summary>
+                        <MechanicsForm film={film} />
+                    </details>
+                </>
+            )}
             <Overlapping film={film} />
-            <h2>{t("Person")}</h2>
-            <Who film={film} />
-            {selected.value === null && <p class="note">{t("Choose one here, or on the picture.")}</p>}
+            {(more || selected.value !== null) && (
+                <>
+                    <h2>{t("Person")}</h2>
+                    <Who film={film} />
+                </>
+            )}
+            {more && selected.value === null && <p class="note">{t("Choose one here, or on the picture.")}</p>}
             {selected.value !== null && <Facts rows={ofPerson(film, k, selected.value)} />}
             {selected.value !== null && <InSurvey film={film} agent={selected.value} />}
             {plan.value.view !== "3d" && (["line", "area"] as const).map((kind) => <MeasureFields key={kind} kind={kind} />)}
@@ -50,15 +60,19 @@ export function Numbers({ film }: { film: Film }) {
 
 type Rows = [name: string, value: ComponentChildren, meaning?: string][];
 
+/** At first only what neither sliders nor the answer say. */
 function ofRun(film: Film, k: number): Rows {
     const { scene } = film;
-    const rows: Rows = [
+    const { more } = plan.value;
+    const rows: Rows = !more ? [] : [
         [t("People"), String(scene.agents.length), t("At the start, also those who leave later")],
         [t("Deepest overlap so far"), `${digits(1000 * film.overlaps[k]!, 2)} mm`, t("How far disks of different people, or a disk and a wall, lay within each other at most: bodies give way so far")],
     ];
+    const squeeze = worstWords(film);
+    if (squeeze) rows.push([t("Greatest squeeze, mean of 1 s"), squeeze, t("Of anybody, up to the last frame that was shown or asked for")]);
     if (scene.pushed.length > 0) rows.push([t("Pushed"), count(scene.pushed.length, "{n} person", "{n} people"), t("Those on whom a force acts at some time")]);
     if (scene.ways.length + scene.targets.length > 0 && scene.leaving < scene.agents.length) rows.push([t("Arrived or left"), t("{part} of {n}", { part: film.arrived[k]!, n: scene.agents.length }), t("Who has reached the last point of the way, a goal or an exit")]);
-    if (scene.leaving > 0) rows.push([t("Have left"), t("{part} of {n}", { part: film.frames.curve("left")[k]!, n: scene.leaving }), t("Of all who have an exit, those who have crossed it: they are gone")]);
+    if (more && scene.leaving > 0) rows.push([t("Have left"), t("{part} of {n}", { part: film.frames.curve("left")[k]!, n: scene.leaving }), t("Of all who have an exit, those who have crossed it: they are gone")]);
     return rows;
 }
 

@@ -9,7 +9,7 @@ import { present, presents } from "./layout";
 import { follow } from "./live";
 import { MotionTab } from "./motion";
 import { Numbers } from "./numbers";
-import { Button, copy, Icon } from "./parts";
+import { Button, copy, Icon, isUndo } from "./parts";
 import { PersonTab } from "./person";
 import { canRedo, canUndo, change, link, onlyHere, type Plan, plan, redo, scene, undo, unlinked } from "./plan";
 import { isPlan, openPlan } from "./plans";
@@ -23,7 +23,6 @@ import { StartTab } from "./start";
 import { embedded } from "./storage";
 import { TakeTab } from "./take";
 import { Tour } from "./tour";
-import { Compute } from "./transport";
 import { dropped, openTrial } from "./upload";
 
 const TABS: [Plan["tab"], string][] = [
@@ -54,7 +53,7 @@ function Bare() {
 }
 
 function Header() {
-    const { tab, unit } = plan.value;
+    const { tab, unit, more } = plan.value;
     const other = unit === "m" ? "cm" : "m";
     return (
         <header>
@@ -73,8 +72,9 @@ function Header() {
                 <button type="button" aria-label={t("Redo")} title={t("Redo (Ctrl+Y)")} disabled={!canRedo.value} onClick={redo}>
                     <Icon path="M10 2l4 4-4 4V7H6a2 2 0 0 0 0 4h4v2H6a4 4 0 0 1 0-8h4z" />
                 </button>
-                <Button words={unit} aria-label={`${unit}: ${t("show lengths in {unit}", { unit: other })}`} title={t("Show lengths in {unit}", { unit: other })} onClick={() => change({ unit: other })} />
-                <Button words={t("Present")} class="large" title={t("Shows the stage alone (F); Escape ends it")} onClick={() => present(true)} />
+                {more && <Button words={unit} aria-label={`${unit}: ${t("show lengths in {unit}", { unit: other })}`} title={t("Show lengths in {unit}", { unit: other })} onClick={() => change({ unit: other })} />}
+                {more && <Button words={t("Present")} class="large" title={t("Shows the stage alone (F); Escape ends it")} onClick={() => present(true)} />}
+                <Button words={t("More")} title={t("Shows all tools, numbers and settings")} aria-pressed={more} onClick={() => change({ more: !more })} />
                 <Button words={t("Copy link")} onClick={() => void attempt(copyLink)} />
             </div>
         </header>
@@ -110,12 +110,13 @@ const over = signal(false);
 const sheet = signal<"forms" | "numbers" | null>(null);
 
 function Page() {
-    const { tab } = plan.value;
+    const { tab, more } = plan.value;
     const shown = film.value;
     const alone = embedded || presents.value;
     const open = (which: "forms" | "numbers") => (sheet.value === which ? "sheet open" : "sheet");
     return (
         <>
+            {!alone && <Button words={t("To the stage")} class="skip" onClick={() => document.querySelector<HTMLElement>(".frame canvas")?.focus()} />}
             {alone ? <Bare /> : <Header />}
             {report.value && shown ? (
                 <Report film={shown} />
@@ -124,15 +125,9 @@ function Page() {
                     <PersonTab />
                 </main>
             ) : (
-                <main class={alone ? "columns alone" : "columns"}>
+                <main class={alone ? "columns alone" : more ? "columns" : "columns few"}>
                     {!alone && (
                         <div key={tab} class={open("forms")}>
-                            {/* The sheet lies over that of the stage. */}
-                            {shown && (
-                                <div class="phone act">
-                                    <Compute film={shown} />
-                                </div>
-                            )}
                             <Panel />
                         </div>
                     )}
@@ -152,9 +147,11 @@ function Page() {
                         </option>
                     ))}
                 </select>
-                <span class="unit">
-                    {t("Computed in your browser: nothing that you open leaves this machine.")} <a href="licences.txt">{t("Licences")}</a>
-                </span>
+                {more && (
+                    <span class="unit">
+                        {t("Computed in your browser: nothing that you open leaves this machine.")} <a href="licences.txt">{t("Licences")}</a>
+                    </span>
+                )}
             </footer>
             {over.value && <p class="drop">{t("Drop a zip or a folder with a Trial, a plan, or a picture")}</p>}
         </>
@@ -186,14 +183,17 @@ function News() {
 }
 
 addEventListener("keydown", (event) => {
-    // In a field they are the field's own.
-    const { target } = event;
-    const typing = target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && ["number", "text"].includes(target.type));
-    if (typing) return;
-    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !event.shiftKey) undo();
-    else if ((event.ctrlKey || event.metaKey) && (event.key === "y" || event.key.toLowerCase() === "z")) redo();
-    else if (event.key === "Escape" && presents.value) present(false);
-    else if (event.key.toLowerCase() === "f" && !event.ctrlKey && !event.metaKey && !event.altKey) present(!presents.value);
+    const { target, key } = event;
+    const inField = target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && ["number", "text"].includes(target.type));
+    if (isUndo(event)) {
+        // What is being typed, the field takes back itself.
+        if (inField && target.dataset.typed === "true") return;
+        event.preventDefault();
+        if (key === "z" && !event.shiftKey) undo();
+        else redo();
+    } else if (inField) return;
+    else if (key === "Escape" && presents.value) present(false);
+    else if (key.toLowerCase() === "f" && !event.ctrlKey && !event.metaKey && !event.altKey) present(!presents.value);
 });
 document.addEventListener("fullscreenchange", () => (presents.value = document.fullscreenElement !== null));
 addEventListener("dragover", (event) => {

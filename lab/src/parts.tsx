@@ -1,7 +1,7 @@
 // Small parts of forms.
 
 import { signal } from "@preact/signals";
-import { type ComponentChildren, type ComponentProps, type ComponentType, h, type Ref } from "preact";
+import { type ComponentChildren, type ComponentProps, type ComponentType, h, type Ref, type TargetedEvent } from "preact";
 import { useEffect, useId, useState } from "preact/hooks";
 import { inner, t } from "./language";
 import { plan } from "./plan";
@@ -19,19 +19,33 @@ interface NumberProps {
     value: number;
     min: number;
     max: number;
+    /** Instead of the greatest number, which an empty field stands for. */
+    most?: string;
     step: number;
     onChange(value: number): void;
 }
 
-/** A field that keeps what is typed while it has the focus: its value may change meanwhile, as that of a run that plays. */
-export function Field(props: ComponentProps<"input">) {
-    const [draft, setDraft] = useState<string | null>(null);
-    const keep = (event: { currentTarget: HTMLInputElement }) => setDraft(event.currentTarget.value);
-    return <input {...props} value={draft ?? props.value} onFocus={keep} onInput={keep} onBlur={() => setDraft(null)} />;
+/** Whether it is a key of Undo or Redo. */
+export const isUndo = ({ ctrlKey, metaKey, key }: KeyboardEvent) => (ctrlKey || metaKey) && ["z", "Z", "y"].includes(key);
+
+/** A field that keeps its text while it has the focus and nothing was taken: its value may change meanwhile, as that of a run that
+ * plays. While something is typed, keys of Undo are its own (page.tsx). */
+export function Field({ onChange, ...props }: ComponentProps<"input">) {
+    const [draft, setDraft] = useState<{ text: string; typed: boolean } | null>(null);
+    const keep = (typed: boolean) => (event: { currentTarget: HTMLInputElement }) => setDraft({ text: event.currentTarget.value, typed });
+    const end = () => setDraft(null);
+    const own = {
+        onFocus: keep(false),
+        onInput: keep(true),
+        onBlur: end,
+        onKeyDown: (event: KeyboardEvent) => isUndo(event) && !draft?.typed && end(),
+        onChange: (event: TargetedEvent<HTMLInputElement>) => (onChange?.(event), end()),
+    };
+    return <input {...props} {...own} value={draft?.text ?? props.value} data-typed={draft?.typed} />;
 }
 
 /** A number with its unit. What is out of range is not taken; it stays there, with the reason. */
-export function NumberField({ of, label, short, unit, title, value, min, max, step, onChange }: NumberProps) {
+export function NumberField({ of, label, short, unit, title, value, min, max, most, step, onChange }: NumberProps) {
     // What was typed, as long as the value is not changed in another way.
     const [typed, setTyped] = useState<{ text: string; instead: number } | null>(null);
     const wrong = typed?.instead === value;
@@ -48,17 +62,19 @@ export function NumberField({ of, label, short, unit, title, value, min, max, st
                 id={id}
                 type="number"
                 aria-label={short && label}
-                value={wrong ? typed!.text : value}
+                value={wrong ? typed!.text : most && value === max ? "" : value}
+                placeholder={most}
                 min={min}
                 max={max}
                 step={step}
                 aria-invalid={wrong}
                 aria-describedby={wrong ? `${id}-why` : undefined}
                 onChange={(event) => {
-                    const number = event.currentTarget.valueAsNumber;
+                    const { value: text, valueAsNumber } = event.currentTarget;
+                    const number = most && text === "" ? max : valueAsNumber;
                     // Between two steps of the arrows is fine, but people are whole.
                     const fits = number >= min && number <= max && (step !== 1 || Number.isInteger(number));
-                    setTyped(fits ? null : { text: event.currentTarget.value, instead: value });
+                    setTyped(fits ? null : { text, instead: value });
                     if (fits) onChange(number);
                 }}
             />
@@ -193,7 +209,7 @@ export function Head({ of }: { of: readonly string[] }) {
 
 /** What names mean: for those who have no mouse that shows titles. */
 export function Meanings({ of }: { of: [string, string][] }) {
-    if (of.length === 0) return null;
+    if (of.length === 0 || !plan.value.more) return null;
     return (
         <details>
             <summary>{t("What these words mean")}</summary>

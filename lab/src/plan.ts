@@ -28,9 +28,12 @@ const upper = within(1e-3, 1e7);
 const PAGE_ROWS = {
     tab: row(one(...TABS), "start"),
     unit: row(one("m", "cm"), "cm"),
+    /** Whether all tools, numbers and settings are shown, not only what is needed first. */
+    more: row(flag, false),
     /** Simulated seconds in a second. */
     pace: row(within(0.01, 100), 1),
-    chart: row(one("greatest", "mean", "speed", "left", "flow", "density", "chest", "all"), "greatest"),
+    /** "asked": what the question of the scene is about. */
+    chart: row(one("asked", "greatest", "mean", "speed", "left", "flow", "density", "chest", "all"), "asked"),
     view: row(one("2d", "3d", "section"), "2d"),
     /** Altitude of the section, in m. */
     altitude: row(within(0, 3), 1.3),

@@ -33,7 +33,7 @@ interface PlotProps {
 
 const HEIGHT = 118;
 /** In pixels: what is at the left of the timeline, too (style.css). */
-const GUTTER = 64;
+const GUTTER = 76;
 /** Distances of ticks of counts. */
 const WHOLE = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
 

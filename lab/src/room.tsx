@@ -1,7 +1,7 @@
 // Rooms: that of a crowd, and the walls of an opened Trial. Drawn on the picture, or written as numbers.
 
 import { batch } from "@preact/signals";
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { BackdropForms } from "./backdrop";
 import { MakeCrowd } from "./crowd";
 import { DrawingPanel } from "./drawing";
@@ -14,10 +14,10 @@ import { type KeptCrowd, MOST } from "./forms";
 import { change, plan } from "./plan";
 import { openPlan, PLANS } from "./plans";
 import type { Outline, Point, Room } from "./protocol";
-import { aim, begin, clear, fixed, insert, isChanged, type Mode, mode, picked, remove, room as present, roomTool, setRoom, takeBack, target } from "./roomtool";
+import { aim, clear, fixed, insert, isChanged, picked, remove, room as present, roomTool, setRoom, takeBack, target } from "./roomtool";
 import { canLose, closes, rectangle, rings, wallAt } from "./roomshape";
 import { made } from "./session";
-import { useTool } from "./tool";
+import { ROOM, useTool } from "./tool";
 import { FileInput } from "./upload";
 
 /** The largest coordinate in m: that of a Trial's is larger. */
@@ -25,26 +25,12 @@ const far = () => (target.value === "trial" ? 1e6 : FAR);
 /** Of more walls, only the fields of the one that is marked are shown. */
 const MANY = 50;
 
-const ENDS = t("Enter, a double click or a click on the first corner ends it.");
-const RECTANGLE = t("Press at one corner of a rectangle and draw to the other one.");
-const MODES: [Mode, string, string][] = [
-    ["outline", t("Draw the outline"), `${t("Click the corners of the room.")} ${ENDS}`],
-    ["rectangle", t("Draw an obstacle"), RECTANGLE],
-    ["polygon", t("Draw an obstacle of any shape"), `${t("Click its corners.")} ${ENDS}`],
-    ["wall", t("Draw a wall"), `${t("Click its corners.")} ${ENDS}`],
-    ["door", t("Put a door"), t("Click on a wall.")],
-    ["region", t("Draw where people stand"), RECTANGLE],
-];
-/** Those that a Trial's walls are changed with. */
-const OF_TRIAL: Mode[] = ["rectangle", "polygon", "wall", "door"];
-
 export function RoomTab() {
     return ready() ? <Forms /> : <p role="status">{t("One moment …")}</p>;
 }
 
 function Forms() {
-    useEffect(() => () => begin("change"), []);
-    useTool(roomTool);
+    useTool(roomTool, ROOM);
     const { base } = plan.value.made;
     return (
         <section class="panel" aria-label={t("Room")}>
@@ -73,23 +59,12 @@ function Forms() {
     );
 }
 
-/** Buttons of the tools, and what they do. */
-function Draw({ modes }: { modes: typeof MODES }) {
-    const hint = modes.find(([key]) => key === mode.value)?.[2];
-    const corners = ["outline", "polygon", "wall"].includes(mode.value);
+/** What the mouse and keys do without a tool. */
+function Hands() {
     return (
         <>
-            <div class="buttons" role="group" aria-label={t("Draw on the picture")}>
-                {modes.map(([key, words]) => (
-                    <Button key={key} words={words} aria-pressed={mode.value === key} onClick={() => begin(mode.value === key ? "change" : key)} />
-                ))}
-            </div>
-            <p class="note" role="status">
-                {hint
-                    ? `${hint} ${t("Esc ends it without a change.")}${corners ? ` ${t("Hold Shift for right angles.")}` : ""}`
-                    : t("Drag corners and doors on the picture. A click on a wall makes a corner; the Delete key removes what is marked.")}
-            </p>
-            {!hint && <p class="note">{t("Shift and Delete remove all of an obstacle or a wall; Shift and arrows move what is marked by 5 cm.")}</p>}
+            <p class="note">{t("Drag corners and doors on the picture. A click on a wall makes a corner; the Delete key removes what is marked.")}</p>
+            <p class="note">{t("Shift and Delete remove all of an obstacle or a wall; Shift and arrows move what is marked by 5 cm.")}</p>
         </>
     );
 }
@@ -124,7 +99,7 @@ function TrialForms() {
     return (
         <>
             <p class="note">{t("People, materials and what moves people stay as they are. New walls are of the material of the first one.")}</p>
-            <Draw modes={MODES.filter(([key]) => OF_TRIAL.includes(key))} />
+            <Hands />
             <Doors room={room} />
             <Lines room={room} />
             {isChanged.value ? (
@@ -146,7 +121,7 @@ function CrowdForms() {
     return (
         <>
             <Size room={room} />
-            <Draw modes={MODES} />
+            <Hands />
             <Doors room={room} />
             <Lines room={room} />
             <Region crowd={crowd} />

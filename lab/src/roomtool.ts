@@ -10,12 +10,8 @@ import { change, plan } from "./plan";
 import type { Point, Room } from "./protocol";
 import { canLose, closes, distance, rings, snapped, spanned, squared, wallAt } from "./roomshape";
 import { bases, choose, problem, trialWalls } from "./session";
-import { lineTool, type Pointer, type Tool } from "./tool";
+import { begin, begun, clicks, drawingKey, hover, mode, type Pointer, sketch, type Tool } from "./tool";
 import { inMetres, type View } from "./view";
-
-/** What the next presses do. */
-export type Mode = "change" | "outline" | "polygon" | "rectangle" | "wall" | "door" | "region";
-export const mode = signal<Mode>("change");
 
 /** Width of a new door, in m. */
 const DOOR = 1;
@@ -23,10 +19,6 @@ const DOOR = 1;
 export type Part = { kind: "corner"; ring: number; k: number } | { kind: "door"; k: number };
 export const picked = signal<Part | null>(null);
 
-/** Corners of what is being drawn. */
-const sketch = signal<Point[]>([]);
-/** Where the pointer is, snapped. */
-const hover = signal<Point | null>(null);
 /** While something is dragged. */
 const dragged = signal<Room | null>(null);
 /** The room as it was pressed on. */
@@ -101,14 +93,10 @@ function setTrial(...of: { do: "room"; room: Room }[]) {
 /** The Trial has the walls of its files again. */
 export const takeBack = () => setTrial();
 
-export function begin(next: Mode) {
-    mode.value = next;
-    if (next !== "change") lineTool.value = null;
-    sketch.value = [];
-    hover.value = null;
-    dragged.value = null;
-    picked.value = null;
-}
+effect(() => {
+    begun.value;
+    dragged.value = picked.value = null;
+});
 
 /** What is drawn becomes a part of the room. */
 function finish() {
@@ -196,12 +184,9 @@ function next(pointer: Pointer): Point {
     return cornerNear(pointer) ?? snapped(pointer.shift && last ? squared(pointer.at, last) : pointer.at);
 }
 
-/** A click that draws counts when it ends: a second finger may make it a pinch. */
-let held: Pointer | null = null;
-
 function press(pointer: Pointer): boolean {
     const kind = mode.value;
-    held = null;
+    clicks.held = null;
     if (kind === "change") {
         const found = grab(pointer);
         picked.value = found?.part ?? null;
@@ -211,7 +196,7 @@ function press(pointer: Pointer): boolean {
         return true;
     }
     if (kind === "rectangle" || kind === "region") sketch.value = [next(pointer)];
-    else held = pointer;
+    else clicks.held = pointer;
     return true;
 }
 
@@ -254,7 +239,7 @@ export const roomTool: Tool = {
         if (drags && dragged.value) dragTo(pointer);
     },
     cancel() {
-        held = null;
+        clicks.held = null;
         dragged.value = null;
         if (mode.value === "rectangle" || mode.value === "region") sketch.value = [];
         // A corner of an edge is none yet.
@@ -262,8 +247,8 @@ export const roomTool: Tool = {
     },
     up(pointer) {
         const kind = mode.value;
-        if (held && kind !== "change") click(held);
-        held = null;
+        if (clicks.held && kind !== "change") click(clicks.held);
+        clicks.held = null;
         if (kind === "rectangle" || kind === "region") {
             const [from, to] = [sketch.value[0], snapped(pointer.at)];
             if (!from || from[0] === to[0] || from[1] === to[1]) return;
@@ -276,11 +261,8 @@ export const roomTool: Tool = {
         if (moved && JSON.stringify(moved) !== JSON.stringify(room.value)) setRoom(moved);
     },
     key(event) {
-        const drawing = mode.value !== "change";
-        if (event.key === "Escape" && drawing) begin("change");
-        else if (event.key === "Enter" && drawing) finish();
-        else if (event.key === "Backspace" && drawing) sketch.value = sketch.value.slice(0, -1);
-        else if ((event.key === "Delete" || event.key === "Backspace") && picked.value) {
+        if (drawingKey(event, finish)) return true;
+        if ((event.key === "Delete" || event.key === "Backspace") && picked.value) {
             const { kind, ring } = { ring: 0, ...picked.value };
             // All of an obstacle or a wall.
             if (event.shiftKey && kind === "corner" && ring > 0) clear(ring);

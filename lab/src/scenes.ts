@@ -8,6 +8,8 @@ import { arrived, canRedo, canUndo, deleted, FIRST, FORMER, isFormer, type Kept,
 import { choose, problem, said } from "./session";
 import { storage } from "./storage";
 
+/** In ms: then a tab that was loaded again has let go of its scene. */
+const SOON = 500;
 /** Changes when scenes in the browser do. */
 const turn = signal(0);
 export const scenes = computed(() => (turn.value, keptScenes()));
@@ -82,11 +84,34 @@ export function begin() {
         const { id, name: called } = scene.value;
         if (id === null || key !== SCENE + id || newValue === written) return;
         // Nothing of the other tab's is written over.
-        const copy = newValue === null ? called : t("{name} (copy)", { name: called }).slice(-NAME);
-        name = copy;
-        scene.value = { id: null, name: copy };
-        said.value = newValue === null ? t('"{called}" was deleted in another tab. Here it is a copy, which is kept when you change it.', { called }) : t('"{called}" was changed in another tab. Here it is a copy, which is kept when you change it.', { called });
+        const why = newValue === null ? t('"{called}" was deleted in another tab.', { called }) : t('"{called}" was changed in another tab.', { called });
+        leave(newValue === null ? called : copyOf(called), why);
     });
+    const shown = computed(() => scene.value.id);
+    effect(() => {
+        if (shown.value === null) return;
+        const [key, { name: called }, end] = [SCENE + shown.value, scene.peek(), new AbortController()];
+        // Kept by the first tab that shows the scene.
+        const kept = () => new Promise<void>((done) => end.signal.addEventListener("abort", () => done()));
+        const take = (again: boolean) =>
+            void navigator.locks?.request(key, { ifAvailable: true }, (lock) => {
+                if (end.signal.aborted) return;
+                if (lock) return kept();
+                if (again) setTimeout(take, SOON, false);
+                else leave(copyOf(called), t('"{called}" is open in another tab.', { called }));
+            });
+        take(true);
+        return () => end.abort();
+    });
+}
+
+const copyOf = (called: string) => t("{name} (copy)", { name: called }).slice(-NAME);
+
+/** What is on the stage is a copy from now on. */
+function leave(called: string, why: string) {
+    name = called;
+    scene.value = { id: null, name: called };
+    said.value = `${why} ${t("Here it is a copy, which is kept when you change it.")}`;
 }
 
 /** Whether two scenes differ at most in what was made of the same forms. */
@@ -120,7 +145,7 @@ function tell(why: string) {
 
 /** Another scene with the same contents. */
 export function duplicate({ name: called, plan: from, past, future }: Kept) {
-    tell(write(newId(), JSON.stringify({ name: t("{name} (copy)", { name: called }).slice(-NAME), ...sceneOf(from), past, future, changed: Date.now() })));
+    tell(write(newId(), JSON.stringify({ name: copyOf(called), ...sceneOf(from), past, future, changed: Date.now() })));
 }
 
 export function remove(id: string) {

@@ -29,6 +29,9 @@ export const trialWalls = signal<{ base: string; walls: Scene["walls"] } | null>
 /** Whether the next one plays at once. The first scene does, and the example with files of its own. */
 let plays = isNew || (plan.value.made.base.kind === "example" && plan.value.tab === "start");
 
+/** Whether the visitor likes pictures that move by themselves. */
+const moves = !matchMedia("(prefers-reduced-motion: reduce)").matches;
+
 /** What is said when the next scene is there. */
 let sayNext = "";
 /** Who is selected in the next scene. */
@@ -108,7 +111,7 @@ async function open(wanted: Planned, number: number) {
     opening = null;
     const next = new Film(client, value.scene, wanted, first);
     // What follows from the new film may already want the next one.
-    const playing = plays && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const playing = plays && moves;
     plays = false;
     batch(() => {
         notes.value = value.notes.map(inWords);
@@ -178,6 +181,11 @@ export function playsOn(): boolean {
     if (!now) return false;
     const ended = now.emptied.peek();
     return now.playing.peek() || (ended !== null && now.shown.peek() >= ended);
+}
+
+/** What takes the place of the present run plays: who moves a slider wants to see what follows. */
+export function goOn() {
+    if (film.peek()) film.peek()!.playing.value = moves;
 }
 
 /** Makes it the present run; from its start again, if it is. */

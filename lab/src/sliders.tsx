@@ -9,7 +9,7 @@ import { type Mix, percent, shared } from "./mix";
 import { Check, Range } from "./parts";
 import { change, plan } from "./plan";
 import type { DecisionConfig, Motion } from "./protocol";
-import { choose, playsOn } from "./session";
+import { choose, playsOn, goOn } from "./session";
 
 /** A number of the scene. */
 export interface Parameter {
@@ -55,7 +55,7 @@ function ofKinds({ mix }: KeptCrowd): Parameter[] {
 }
 
 function ofMotion(motion: Motion): Parameter[] {
-    const speed = (value: number, set: (speed: number) => Motion): Parameter => ({ label: "Desired speed", unit: "m/s", value, range: [0, 3, 0.05], with: (speed) => ({ motion: set(speed) }) });
+    const speed = (value: number, set: (speed: number) => Motion): Parameter => ({ label: "Desired speed", unit: "m/s", value, range: [0, 3, 0.01], with: (speed) => ({ motion: set(speed) }) });
     if (motion.kind === "push" && motion.pushes[0]) {
         const { force } = motion.pushes[0];
         const set = (force: number): Motion => ({ ...motion, pushes: motion.pushes.map((push) => ({ ...push, force })) });
@@ -79,6 +79,7 @@ export function parameters(): Parameter[] {
 /** Gives one of them another value on the stage. The whole way of a slider is one step of Undo. */
 function slide(parameter: Parameter, value: number) {
     const other = parameter.with(value);
+    goOn();
     const asStep = held.value === null;
     held.value ??= plan.value.crowd.mix;
     if ("crowd" in other) change({ crowd: { ...plan.value.crowd, ...other.crowd } }, asStep);
@@ -101,7 +102,7 @@ export function Sliders() {
                 );
             })}
             {plan.value.made.base.kind === "crowd" && Object.keys(plan.value.crowd.mix).length === 0 && (
-                <Check label={t("Round bodies: one disk each, of the same area")} value={plan.value.crowd.round} onChange={(round) => change({ crowd: { ...plan.value.crowd, round } })} />
+                <Check label={<span title={t("Round bodies: one disk each, of the same area")}>{t("Round bodies")}</span>} value={plan.value.crowd.round} onChange={(round) => change({ crowd: { ...plan.value.crowd, round } })} />
             )}
         </div>
     );

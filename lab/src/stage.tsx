@@ -1,6 +1,7 @@
 // The run: the picture and all around it.
 
 import { useEffect, useMemo } from "preact/hooks";
+import { Answer } from "./answer";
 import { ByPlace, byPlace, mapKind } from "./byplace";
 import { Canvas } from "./canvas";
 import { Charts } from "./charts";
@@ -9,9 +10,10 @@ import { Hints } from "./hints";
 import { t } from "./language";
 import { Chains, paintTrails, trailsNote } from "./layers";
 import { beat, empty, type Layers, presents } from "./layout";
+import { meanWords } from "./colour";
 import { Beside, difference, kept, Now } from "./kept";
 import { Legend } from "./legend";
-import { fit, zoom } from "./look";
+import { fit, fits, zoom } from "./look";
 import { MapLegend } from "./map";
 import { MeasureButtons } from "./line";
 import { Menu } from "./menu";
@@ -19,7 +21,7 @@ import { Button, Check, Choice, digits, in3d, length, LengthField, Range } from 
 import { change, type Plan, plan } from "./plan";
 import { heightOf, levelAt, Sections } from "./sections";
 import { embedded } from "./storage";
-import { Tools } from "./tools";
+import { ToolHint, Tools } from "./tools";
 import { Transport } from "./transport";
 
 /** Milliseconds between two beats. */
@@ -54,15 +56,17 @@ export function Stage({ film }: { film: Film }) {
     const alone = embedded || presents.value;
     return (
         <section class="stage" aria-label={t("Stage")}>
-            {!alone && <LayerControls film={film} />}
+            {!alone && <Bar film={film} />}
             {view === "section" && <Altitude film={film} sections={sections} />}
             <div class={kept.value && view !== "3d" ? "frame two" : "frame"}>
                 {kept.value && view !== "3d" && <Beside now={film} />}
                 {view === "3d" ? <Stage3d film={film} /> : <Picture film={film} chains={chains} sections={sections} />}
-                {view !== "3d" && <Zoom />}
+                {view !== "3d" && (plan.value.more || !fits.value) && <Zoom />}
+                <Answer film={film} />
                 <Menu />
                 <div class="over">
                     <Hints film={film} />
+                    <ToolHint />
                     {kept.value && kept.value.film !== film && (
                         <p class="note">
                             {difference() && `${difference()}. `}
@@ -77,7 +81,7 @@ export function Stage({ film }: { film: Film }) {
             <p id="canvas-keys" class="hidden">
                 {t("Arrow keys, N and P select people; plus and minus zoom, 0 shows all; the space bar plays; Shift+F10 opens the menu of who is selected.")}
             </p>
-            <Legend film={film} />
+            {plan.value.more && <Legend film={film} />}
             {places && kind && <MapLegend film={film} places={places} kind={kind} />}
             <Transport film={film} />
             {!embedded && <Charts film={film} />}
@@ -111,7 +115,7 @@ function Picture({ film, chains, sections }: { film: Film; chains: Chains; secti
 
 function Widest({ chains }: { chains: Chains }) {
     if (!plan.value.forces || chains.largest === 0 || heightOf(chains.film) !== null) return null;
-    return <p class="note">{t("Lines between people: the wider, the more they press. The widest is {largest} N.", { largest: digits(chains.largest, 2) })}</p>;
+    return <p class="note">{t("Lines between people: the wider, the more they press at this moment. The widest is {largest} N; the colours are a {mean}.", { largest: digits(chains.largest, 3), mean: meanWords(chains.film) })}</p>;
 }
 
 function Altitude({ film, sections }: { film: Film; sections: Sections }) {
@@ -163,8 +167,16 @@ function Zoom() {
     );
 }
 
-function LayerControls({ film }: { film: Film }) {
-    const { view, forces, trails } = plan.value;
+/** All tools, or those of the tab; also what is shown besides, to end it. */
+function Bar({ film }: { film: Film }) {
+    const { view, forces, trails, line, area, tab, more } = plan.value;
+    if (!more && view === "2d" && !forces && !trails && !line && !area) {
+        return tab === "room" || tab === "crowd" || tab === "motion" ? (
+            <div class="controls bar">
+                <Tools />
+            </div>
+        ) : null;
+    }
     return (
         <div class="controls bar">
             <Choice label={t("View")} value={view} choices={views(film)} onChange={(next) => change({ view: next })} />

@@ -1,10 +1,11 @@
 // Where a visit begins: ready scenes, or the user's own files.
 
+import { example } from "./answer";
 import { EXAMPLES, type Example } from "./examples";
 import { Keep } from "./kept";
 import { t } from "./language";
 import { NewRoom } from "./newroom";
-import { canUndo, crowdOf, scene } from "./plan";
+import { canUndo, crowdOf, plan, scene } from "./plan";
 import { Scenes } from "./scenelist";
 import { open } from "./scenes";
 import { film } from "./session";
@@ -16,34 +17,42 @@ import { FileInput, openTrial } from "./upload";
 
 export function StartTab() {
     const { name } = scene.value;
-    // Asked of the people that there are now.
-    const example = EXAMPLES.find((one) => one.name === name);
-    return (
-        <section class="panel" aria-label={t("Start")}>
+    const { more } = plan.value;
+    const here = example();
+    const further = (
+        <>
             <p class="note">{t("People in dense crowds, as bodies that touch and press. Choose a question, move a slider, and watch; or draw your own room.")}</p>
-            <div class="row">
-                <TourButton />
-                <NewRoom />
-            </div>
-            <h2>{example ? asked(example, film.value?.scene.agents.length) : name}</h2>
-            <Sliders />
-            <Keep />
-            <SweepForm />
+            {more && <SweepForm />}
             <h2>{t("Questions")}</h2>
-            {EXAMPLES.map((example) => (
-                <button key={example.name} type="button" class="card" aria-pressed={name === example.name && !canUndo.value} onClick={() => begin(example)}>
-                    <Sketch base={example.made.base} />
-                    <strong>{t(example.name)}</strong>
+            {EXAMPLES.map((one) => (
+                <button key={one.name} type="button" class="card" aria-pressed={name === one.name && !canUndo.value} onClick={() => begin(one)}>
+                    <Sketch base={one.made.base} />
+                    <strong>{t(one.name)}</strong>
                     <span>
-                        {asked(example)} {example.sentence}
+                        {asked(one)} {one.sentence}
                     </span>
                 </button>
             ))}
+            {!more && <SweepForm />}
             <Scenes />
+            <NewRoom />
             <h2>{t("Open your own Trial")}</h2>
             <p class="note">{t("A zip or a folder with Agents.xml, Geometry.xml, Materials.xml and AgentDynamics.xml; drop it anywhere on this page, or choose it here. It stays on this machine.")}</p>
             <FileInput label={t("Open a zip or a scenario")} accept=".zip,.toml,application/zip" onFiles={openTrial} />
             <FileInput label={t("Open a folder")} folder onFiles={openTrial} />
+        </>
+    );
+    return (
+        <section class="panel" aria-label={t("Start")}>
+            {/* Asked of the people that there are now. */}
+            <h2>{here ? asked(here, film.value?.scene.agents.length) : name}</h2>
+            {here && <p class="note">{here.sentence}</p>}
+            <Sliders />
+            <div class="row">
+                <Keep />
+                <TourButton />
+            </div>
+            {more ? further : <details><summary>{t("Other questions, and your scenes")}</summary>{further}</details>}
         </section>
     );
 }

@@ -1,7 +1,7 @@
 // How a tab takes part in the picture: it hears the pointer and paints over it. All places are in m.
 
-import { signal } from "@preact/signals";
-import { useLayoutEffect } from "preact/hooks";
+import { batch, computed, signal } from "@preact/signals";
+import { useEffect, useLayoutEffect } from "preact/hooks";
 import type { Inks } from "./draw";
 import type { Point } from "./protocol";
 import type { View } from "./view";
@@ -44,7 +44,7 @@ export interface Tool {
 /** The tool of the present tab. */
 export const tool = signal<Tool | null>(null);
 /** It is the tool while the component is there. What a former tab leaves may be tidied up only after this tab began. */
-export function useTool(own: Tool) {
+export function useTool(own: Tool, modes: readonly Mode[] = []) {
     // Not `useEffect`: it waits for the next frame, and a key pressed before that would be lost.
     useLayoutEffect(() => {
         tool.value = own;
@@ -52,7 +52,51 @@ export function useTool(own: Tool) {
             if (tool.value === own) tool.value = null;
         };
     }, [own]);
+    useEffect(() => () => endOf(modes), []);
 }
 
-/** Takes precedence for a while, whatever the tab. */
-export const lineTool = signal<Tool | null>(null);
+/** What the tools of the tabs Room and Motion draw. */
+export const ROOM = ["outline", "rectangle", "polygon", "wall", "door", "region"] as const;
+export const MOTION = ["push", "way", "exit line", "exit area", "goal line", "goal area"] as const;
+/** What the next presses draw, in any tab: two tools cannot draw at once. "change": nothing. */
+export type Mode = "change" | (typeof ROOM)[number] | (typeof MOTION)[number] | "line" | "area" | "measure" | "move";
+export const mode = signal<Mode>("change");
+/** Counts the beginnings: what was dragged is over then. */
+export const begun = signal(0);
+/** Points of what is being drawn, and where the pointer is, snapped. */
+export const sketch = signal<Point[]>([]);
+export const hover = signal<Point | null>(null);
+/** A press that draws counts when it ends: a second finger may make it a pinch. */
+export const clicks: { held: Pointer | null } = { held: null };
+
+export function begin(next: Mode) {
+    batch(() => {
+        mode.value = next;
+        sketch.value = [];
+        hover.value = clicks.held = null;
+        begun.value = begun.peek() + 1;
+    });
+}
+
+/** Ends what is drawn, if it is one of these. */
+export function endOf(modes: readonly Mode[]) {
+    if (modes.includes(mode.peek())) begin("change");
+}
+
+/** Begins, or ends what was begun. */
+export const turn = (kind: Mode) => begin(mode.peek() === kind ? "change" : kind);
+
+/** Keys while something is drawn point by point. */
+export function drawingKey({ key }: KeyboardEvent, finish: () => void): boolean {
+    if (mode.value === "change") return false;
+    if (key === "Escape") begin("change");
+    else if (key === "Enter") finish();
+    else if (key === "Backspace") sketch.value = sketch.value.slice(0, -1);
+    else return false;
+    return true;
+}
+
+/** Tools that take precedence over that of the tab while their mode lasts. */
+export const over: Partial<Record<Mode, Tool>> = {};
+/** The one that hears the pointer now. */
+export const active = computed(() => over[mode.value] ?? tool.value);

@@ -2,52 +2,56 @@
 
 import { t } from "./language";
 import { kindOf, setKind } from "./motion";
-import { begin as beginMotion, mode as motionMode, type Mode as MotionMode } from "./motionstate";
 import { Button } from "./parts";
 import { change, plan } from "./plan";
 import type { Motion } from "./protocol";
-import { aim, begin as beginRoom, fixed, mode as roomMode, type Mode as RoomMode } from "./roomtool";
+import { aim, fixed, target } from "./roomtool";
+import { begin, type Mode, mode } from "./tool";
 
-type ToolOf = { name: string; title: string } & ({ room: RoomMode } | { motion: MotionMode; kind: Motion["kind"] });
-
-const TOOLS: ToolOf[] = [
-    { name: t("Door"), title: t("Put a door into a wall"), room: "door" },
-    { name: t("Wall"), title: t("Draw a wall: click its corners"), room: "wall" },
-    { name: t("Obstacle"), title: t("Draw an obstacle: a rectangle from corner to corner"), room: "rectangle" },
-    { name: t("People"), title: t("Draw where people stand: a rectangle from corner to corner"), room: "region" },
-    { name: t("Push"), title: t("Draw a push: from the middle of its circle to the tip of its arrow"), motion: "push", kind: "push" },
-    { name: t("Exit"), title: t("Draw an exit: click both ends of its line"), motion: "exit line", kind: "go" },
+const ENDS = t("Enter, a double click or a click on the first corner ends it.");
+const RECTANGLE = t("Press at one corner of a rectangle and draw to the other one.");
+const CORNERS = `${t("Click its corners.")} ${ENDS} ${t("Hold Shift for right angles.")}`;
+/** Whether it is offered in all tabs; its name, and how it is used; what moves people with it. */
+const TOOLS: [all: boolean, mode: Mode, name: string, hint: string, kind?: Motion["kind"]][] = [
+    [false, "outline", t("Outline"), CORNERS],
+    [true, "door", t("Door"), t("Click on a wall.")],
+    [true, "wall", t("Wall"), CORNERS],
+    [true, "rectangle", t("Obstacle"), RECTANGLE],
+    [false, "polygon", t("Any shape"), CORNERS],
+    [true, "region", t("People"), RECTANGLE],
+    [true, "push", t("Push"), t("Press at the middle of the circle and draw the arrow: 1 m of it is 500 N."), "push"],
+    [false, "way", t("Way"), t("Click its points one after the other. Enter or a double click ends it."), "walk"],
+    [true, "exit line", t("Exit"), t("Click both ends of the line that people cross to leave."), "go"],
+    [false, "exit area", t("Exit area"), t("Click the corners of the area in which people leave. {ends}", { ends: ENDS }), "go"],
+    [false, "goal line", t("Goal"), t("Click both ends of the line where people stay."), "go"],
+    [false, "goal area", t("Goal area"), t("Click the corners of the area in which people stay. {ends}", { ends: ENDS }), "go"],
 ];
 
 export function Tools() {
+    const { tab, made } = plan.value;
     // People are placed in crowds of this page only, and some walls of a Trial are only seen.
-    const ofCrowd = plan.value.made.base.kind === "crowd";
-    const there = TOOLS.filter((tool) => "motion" in tool || ofCrowd || (tool.room !== "region" && !fixed.value));
+    const ofCrowd = made.base.kind === "crowd";
+    const can = (tool: Mode) => ofCrowd || (tab === "room" && target.value === "forms") || (tool !== "region" && tool !== "outline" && !fixed.value);
+    const there = TOOLS.filter(([all, tool, , , kind]) => (kind ? tab !== "room" : tab !== "motion" && can(tool)) && (all || tab === "room" || (tab === "motion" && kindOf() === kind)));
     return (
         <div class="together" role="group" aria-label={t("Draw")}>
-            {there.map((tool) => {
-                const on = "room" in tool ? plan.value.tab === "room" && roomMode.value === tool.room : plan.value.tab === "motion" && motionMode.value === tool.motion;
-                return (
-                    <Button key={tool.name} words={tool.name} title={tool.title} aria-pressed={on} onClick={() => (on ? end() : take(tool))} />
-                );
-            })}
+            {there.map(([, tool, name, hint, kind]) => (
+                <Button key={tool} words={name} title={hint} aria-pressed={mode.value === tool} onClick={() => (mode.value === tool ? begin("change") : take(tool, kind))} />
+            ))}
         </div>
     );
 }
 
-function end() {
-    beginRoom("change");
-    beginMotion("change");
+/** How the tool that draws now is used. */
+export function ToolHint() {
+    const hint = TOOLS.find(([, tool]) => tool === mode.value)?.[3];
+    return <p role="status">{hint && `${hint} ${t("Esc ends it without a change.")}`}</p>;
 }
 
-function take(tool: ToolOf) {
-    end();
-    if ("room" in tool) {
-        if (plan.value.made.base.kind !== "crowd") aim("trial");
-        change({ tab: "room" });
-        return beginRoom(tool.room);
-    }
-    if (kindOf() !== tool.kind) setKind(tool.kind);
-    change({ tab: "motion" });
-    beginMotion(tool.motion);
+function take(tool: Mode, kind?: Motion["kind"]) {
+    const { tab, made } = plan.value;
+    if (!kind && made.base.kind !== "crowd" && tab !== "room") aim("trial");
+    if (kind && kindOf() !== kind) setKind(kind);
+    change({ tab: kind ? "motion" : "room" });
+    begin(tool);
 }

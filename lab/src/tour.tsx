@@ -7,8 +7,8 @@ import { Button } from "./parts";
 import { change } from "./plan";
 
 const STEPS: [string, string, string][] = [
-    [".frame", t("The stage"), t("Each person is a body of five disks, which push each other by springs and friction. Grey people bear less than 200 N; the scale below says what the other colours mean. Click a person for numbers; the wheel zooms.")],
-    [".transport", t("The timeline"), t("Play, pause, or drag the time. Green marks are people who leave. The chart below has the same time: how hard the most squeezed person is squeezed, or what you choose.")],
+    [".frame", t("The stage"), t("Each person is a body of five disks, which push each other by springs and friction. Grey people bear less than 200 N; the scale below says what the other colours mean. The line at the top answers the question. Click a person for numbers; the wheel zooms.")],
+    [".transport", t("The timeline"), t("Play, pause, or drag the time. Green marks are people who leave. The chart below has the same time: what the question asks, or what you choose.")],
     [".sliders", t("The question"), t("Move a slider, and the scene runs again with the new value. Keep a run to see both side by side. A sweep runs many values with many crowds and shows the spread.")],
     ["header nav", t("Your own"), t("Draw your room, place a crowd, say what moves it. Take away gives pictures, tables, a report, and files for other programs. All you change is saved in this browser.")],
 ];
@@ -16,17 +16,11 @@ const STEPS: [string, string, string][] = [
 const step = signal<number | null>(null);
 
 export function TourButton() {
-    return (
-        <button
-            type="button"
-            onClick={() => {
-                change({ tab: "start" });
-                step.value = 0;
-            }}
-        >
-            {t("Tour in four steps")}
-        </button>
-    );
+    const begin = () => {
+        change({ tab: "start" });
+        step.value = 0;
+    };
+    return <Button words={t("Tour in four steps")} onClick={begin} />;
 }
 
 export function Tour() {

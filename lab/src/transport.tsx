@@ -1,8 +1,10 @@
 // What plays a run: buttons, and the timeline.
 
+import { leavings } from "./csv";
 import type { Film } from "./film";
 import { t } from "./language";
 import { calmly } from "./layout";
+import { Legend } from "./legend";
 import { Button, Choice, Icon, NumberField, Range } from "./parts";
 import { change, plan } from "./plan";
 
@@ -17,6 +19,7 @@ const ICONS = {
 
 export function Transport({ film }: { film: Film }) {
     const playing = film.playing.value;
+    const { more } = plan.value;
     const button = (name: string, icon: keyof typeof ICONS, press: () => void) => (
         <button type="button" class={icon === "play" || icon === "pause" ? "main" : undefined} aria-label={name} title={name} onClick={press}>
             <Icon path={ICONS[icon]} />
@@ -26,15 +29,15 @@ export function Transport({ film }: { film: Film }) {
         <div class="transport" role="group" aria-label={t("Run")}>
             <div class="controls">
                 {button(t("To the start"), "start", () => void film.show(0))}
-                {button(t("Step back"), "back", () => void film.show(Math.ceil(film.place.value) - 1))}
+                {more && button(t("Step back"), "back", () => void film.show(Math.ceil(film.place.value) - 1))}
                 {button(playing ? "Pause" : t("Play"), playing ? "pause" : "play", () => (film.playing.value = !playing))}
-                {button(t("Step"), "step", () => void film.show(film.shown.value + 1))}
+                {more && button(t("Step"), "step", () => void film.show(film.shown.value + 1))}
                 <Choice label={t("Pace")} value={String(plan.value.pace)} choices={PACES} onChange={(pace) => change({ pace: Number(pace) })} />
-                <NumberField label={t("End of the timeline")} short={t("timeline")} unit="s" value={plan.value.end} min={film.scene.step} max={1e5} step={5} onChange={(end) => change({ end })} />
-                <Compute film={film} />
-                <UntilLeft film={film} />
+                {more && <NumberField label={t("End of the timeline")} short={t("timeline")} unit="s" value={plan.value.end} min={film.scene.step} max={1e5} step={5} onChange={(end) => change({ end })} />}
+                {more && <UntilLeft film={film} />}
+                {!more && <Legend film={film} />}
             </div>
-            <Status film={film} />
+            {more && <Status film={film} />}
             <Timeline film={film} />
         </div>
     );
@@ -45,30 +48,18 @@ export function lastOf(film: Film): number {
     return Math.max(Math.ceil(plan.value.end / film.scene.step - 1e-9), film.playing.value ? film.reached.peek() : film.reached.value);
 }
 
-/** Computes up to the end of the timeline without playing. */
-export function Compute({ film }: { film: Film }) {
-    const last = Math.round(plan.value.end / film.scene.step);
-    const there = calmly(film, film.computed) - 1;
-    const computing = film.wanted.value > there && !film.failed.value;
-    return (
-        <Button words={computing ? t("Stop computing") : t("Compute it")} disabled={!computing && there >= last} onClick={() => void film.compute(computing ? null : last)} />
-    );
-}
-
 /** In s: a run in which somebody is stuck would go on for ever. */
 const BOUND = 600;
 
-/** Computes until all have left. While it does, the button beside it stops it. */
-function UntilLeft({ film }: { film: Film }) {
+/** Computes until all have left, or stops it. */
+export function UntilLeft({ film }: { film: Film }) {
     if (film.scene.leaving === 0) return null;
     const there = calmly(film, film.computed) - 1;
     const emptied = film.emptied.value;
-    const reached = calmly(film, film.reached);
+    if (film.bound.value !== null && film.wanted.value > there && !film.failed.value) return <Button words={t("Stop computing")} onClick={() => film.stop()} />;
     // Tables and the report end at the last frame that was shown or asked for.
-    const over = (emptied !== null && reached >= emptied) || there * film.scene.step >= BOUND || there >= film.most - 1;
-    return (
-        <Button words={t("Until all have left")} disabled={over || film.bound.value !== null && film.wanted.value > there} title={t("Computes until nobody who has an exit is left, at most up to {most} s", { most: BOUND })} onClick={() => void film.computeUntilLeft(BOUND)} />
-    );
+    const over = (emptied !== null && calmly(film, film.reached) >= emptied) || there * film.scene.step >= BOUND || there >= film.most - 1;
+    return <Button words={t("Until all have left")} disabled={over} title={t("Computes until nobody who has an exit is left, at most up to {most} s", { most: BOUND })} onClick={() => void film.computeUntilLeft(BOUND)} />;
 }
 
 function Timeline({ film }: { film: Film }) {
@@ -93,7 +84,7 @@ function Timeline({ film }: { film: Film }) {
                     {pushes.map(({ start, duration }, j) => (
                         <rect key={j} x={x(start / step)} y="0" width={Math.max(2, x((start + duration) / step) - x(start / step))} height="10" class="pushed" />
                     ))}
-                    <path d={leavings(film, computed).map((frame) => `M${x(frame)} 0V10`).join("")} class="left" />
+                    <path d={leavings(film, computed - 1).map(({ frame }) => `M${x(frame)} 0V10`).join("")} class="left" />
                 </svg>
                 <Range aria-valuetext={time} min={0} max={last} value={k} onSlide={(to) => void film.show(to)} />
             </span>
@@ -101,31 +92,7 @@ function Timeline({ film }: { film: Film }) {
     );
 }
 
-/** The frames in which somebody leaves. */
-function leavings({ frames, scene }: Film, computed: number): number[] {
-    if (scene.leaving === 0) return [];
-    const left = frames.curve("left");
-    const found: number[] = [];
-    for (let k = 1; k < computed; k++) if (left[k]! > left[k - 1]!) found.push(k);
-    return found;
-}
-
-/** How far it is computed, and how many have left in the frame that is shown: a line of its own, which moves nothing. */
+/** How far it is computed: a line of its own, which moves nothing. */
 function Status({ film }: { film: Film }) {
-    const { leaving, step } = film.scene;
-    const [k, computed] = [calmly(film, film.shown), calmly(film, film.computed)];
-    const time = (frame: number) => (frame * step).toFixed(2);
-    const emptied = film.emptied.value;
-    const all = emptied !== null && k >= emptied;
-    return (
-        <p class="note status">
-            <span>{t("computed: {computed} s", { computed: ((computed - 1) * step).toFixed(1) })}</span>
-            {leaving > 0 && !all && <span>{t("{left} of {n} have left.", { left: film.frames.curve("left")[k]!, n: leaving })}</span>}
-            {/* Only the end is told to those who do not see it. */}
-            <strong role="status">
-                {all && t("All {n} have left after {time} s.", { n: leaving, time: time(emptied) })}
-                {film.bound.value !== null && emptied === null && computed - 1 === film.wanted.value && t("Not all have left after {time} s: it ends there.", { time: time(film.wanted.value) })}
-            </strong>
-        </p>
-    );
+    return <p class="note status">{t("computed: {computed} s", { computed: ((calmly(film, film.computed) - 1) * film.scene.step).toFixed(1) })}</p>;
 }

@@ -38,10 +38,10 @@ export function fitting(scene: Scene, frame: Float32Array, further: Point[], wid
     scene.agents.forEach((_, a) => isThere(frame, a) && see(frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!, 0.6));
     for (const [x, y] of further) see(x, y, 0.3);
     if (left > right) see(0, 0, 1);
-    // The scale bar is below.
-    const foot = Math.min(40, height / 10);
-    const scale = Math.max(FAR, Math.min(width / (right - left), (height - foot) / (high - low), NEAR));
-    return { scale, x: width / 2 - (scale * (left + right)) / 2, y: (height - foot) / 2 + (scale * (low + high)) / 2 };
+    // The answer is above, the scale bar below.
+    const edge = Math.min(40 * devicePixelRatio, height / 6);
+    const scale = Math.max(FAR, Math.min(width / (right - left), (height - 2 * edge) / (high - low), NEAR));
+    return { scale, x: width / 2 - (scale * (left + right)) / 2, y: height / 2 + (scale * (low + high)) / 2 };
 }
 
 /** A pixel keeps its place. */

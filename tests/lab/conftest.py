@@ -8,10 +8,11 @@ import signal
 import subprocess
 import threading
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, expect, sync_playwright
-from visit import LEMONS, PATIENCE, link, missing
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+from visit import LEMONS, MORE, PATIENCE, link, missing
 
 #: The tests of the short tier: the page shows what the command computes, gives what FMPy runs, opens what it is given, and
 #: keeps it. All others are `long`.
@@ -75,6 +76,16 @@ def browser() -> Iterator[Browser]:
         # Root may not use Chromium's sandbox. 3D is drawn without a GPU.
         arguments = ["--no-sandbox", "--enable-unsafe-swiftshader"]
         chromium = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=arguments)
+        plain = chromium.new_context
+
+        def context(*, first: bool = False, **options: Any) -> BrowserContext:
+            """Of a visitor who wants all that the page has, unless it is the first visit."""
+            made = plain(**options)
+            if not first:
+                made.add_init_script(MORE)
+            return made
+
+        chromium.new_context = context  # type: ignore[method-assign]
         yield chromium
         chromium.close()
 

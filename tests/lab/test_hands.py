@@ -36,28 +36,28 @@ def test_a_room_is_drawn_with_the_mouse(page: Page, tmp_path: Path) -> None:
         of = plan(page)["crowd"]["room"]
         return [[tuple(corner) for corner in of["outline"]], [[tuple(at) for at in ring] for ring in of["obstacles"]], of["doors"]]
 
-    button("Draw the outline").click()
+    button("Outline").click()
     drawn = [*OUTLINE[:4], (0.0, 4.0)]
     for corner in drawn:
         picture.click(*corner)
     # Esc ends it without a change; the first corner closes it.
     page.keyboard.press("Escape")
     becomes(page, lambda: len(room()[0]), 4)
-    button("Draw the outline").click()
+    button("Outline").click()
     for corner in [*drawn, drawn[0]]:
         picture.click(*corner)
     becomes(page, room, [drawn, [], []])
     picture.drag(drawn[4], OUTLINE[4])
     becomes(page, room, [OUTLINE, [], []])
-    button("Put a door").click()
+    button("Door").click()
     picture.click(4.03, 1.6)
     becomes(page, lambda: room()[2], [{"at": [4, 1.6], "width": 1}])
     # It stays on its wall.
     picture.drag((4, 1.6), (4.2, 1))
     becomes(page, lambda: room()[2], [{"at": [4, 1], "width": 1}])
-    button("Draw an obstacle").click()
+    button("Obstacle").click()
     picture.drag(BLOCK[0], BLOCK[2])
-    button("Draw an obstacle of any shape").click()
+    button("Any shape").click()
     for corner in WEDGE[:2]:
         picture.click(*corner)
 
@@ -100,7 +100,7 @@ def test_a_push_is_drawn_with_the_mouse(page: Page, tmp_path: Path) -> None:
     tab(page, "Motion")
     page.get_by_label("What moves them").select_option(label="Some are pushed")
     picture = Picture(page)
-    page.get_by_role("button", name="Draw a push").click()
+    page.get_by_role("button", name="Push", exact=True).click()
     picture.drag((1.2, 1.5), (2.2, 1.5))
 
     def push() -> list[float]:
@@ -147,14 +147,14 @@ def test_a_way_is_drawn_with_the_mouse(page: Page, tmp_path: Path) -> None:
     page.get_by_label("What moves them").select_option(label="All walk along ways")
     picture = Picture(page)
     ways = lambda: [[(point["x"], point["y"]) for point in way] for way in plan(page)["made"]["motion"].get("ways", [])]
-    page.get_by_role("button", name="Draw a way").click()
+    page.get_by_role("button", name="Way", exact=True).click()
     for at in ((1, 1), (2, 1.5), (3.5, 3.5), (0.5, 0.5)):
         picture.click(*at)
     page.keyboard.press("Backspace")
     page.keyboard.press("Enter")
     becomes(page, ways, [[(1, 1), (2, 1.5), (3.5, 3.5)]])
     picture.drag((2, 1.5), (3, 0.5))
-    page.get_by_role("button", name="Draw a way").click()
+    page.get_by_role("button", name="Way", exact=True).click()
     for at in ((1, 3), (2.5, 3)):
         picture.click(*at)
     page.keyboard.press("Enter")

@@ -55,7 +55,7 @@ def test_the_mix_of_the_page_is_that_of_the_command(page: Page, tmp_path: Path) 
     # They leave at the speeds of their kinds, as the command says it, and the run is the same.
     tab(page, "Motion")
     page.get_by_label("What moves them").select_option(label="All walk to exits and goals")
-    page.get_by_role("button", name="An exit: Write numbers").click()
+    page.get_by_role("button", name="Add an exit by numbers").click()
     wait(page, lambda: plan(page)["made"]["motion"]["kind"] == "go")
     expect(page.get_by_text("People of kinds have the desired speed of their kind")).to_be_visible()
     # The scene with the exit is there.

@@ -193,21 +193,3 @@ def test_what_is_above_the_stage_are_two_rows(browser: Browser, url: str, locale
         middles = [box["y"] + box["height"] / 2 for part in rows.all() if (box := part.bounding_box())]
         assert len(middles) > 3 and max(middles) - min(middles) < 8, middles
     page.context.close()
-
-
-def test_what_computes_is_in_reach_on_a_phone(browser: Browser, url: str) -> None:
-    page = visit(browser, url, "en-GB", 390)
-    page.set_viewport_size({"width": 390, "height": 844})
-    compute = page.get_by_role("region", name="Stage").get_by_role("button", name="Compute it")
-    expect(compute).to_be_in_viewport(ratio=1)
-    # The sheet of a question lies over it, and has the same button; so has that of its sweep.
-    page.get_by_role("navigation").get_by_role("button", name="Start").click()
-    sheet = page.locator(".sheet.open")
-    box = lambda part: part.bounding_box() or {"y": 0, "height": 0}
-    in_sheet = lambda part: box(sheet)["y"] <= box(part)["y"] and box(part)["y"] + box(part)["height"] <= box(sheet)["y"] + box(sheet)["height"]
-    assert in_sheet(sheet.get_by_role("button", name="Compute it"))
-    page.get_by_text("A sweep: many values").click()
-    page.wait_for_timeout(300)
-    sheet.evaluate("sheet => sheet.scrollTo(0, sheet.querySelector('details').offsetTop)")
-    assert in_sheet(sheet.get_by_role("button", name="Compute it")) and in_sheet(page.get_by_role("button", name="Begin the sweep"))
-    page.context.close()

@@ -203,3 +203,16 @@ def test_a_map_that_is_not_finished_and_another_one_do_not_mix(page: Page, tmp_p
     area = np.diff(np.unique(found["x"]))[0] * np.diff(np.unique(found["y"]))[0]
     assert found["density"].sum() * area == pytest.approx(600, rel=1e-6)
     expect(region.get_by_role("alert")).to_have_count(0)
+
+
+def test_a_ramp_has_one_meaning_at_a_time(page: Page) -> None:
+    make(page, 14, 300, 250)
+    show_at(page, 0.5)
+    ramp = "of => of.map(ramp => [...ramp.querySelectorAll('stop')].map(stop => stop.getAttribute('stop-color')).join())"
+    for colour in ("Squeeze", "Speed", "Contacts"):
+        page.get_by_role("combobox", name="Colour").select_option(label=colour)
+        for name in ("Density", "Mean squeeze", "Greatest squeeze"):
+            page.get_by_role("combobox", name="Map").select_option(label=name)
+            expect(page.locator(".ramp")).to_have_count(2)
+            people, places = page.locator(".ramp").evaluate_all(ramp)
+            assert people != places, (colour, name)

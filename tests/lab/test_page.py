@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
-from visit import ROOT, Picture, download, example, fill, link, make, plan, play_until, seconds, tab, wait
+from visit import ROOT, SHOWN, Picture, becomes, download, example, fill, link, make, plan, play_until, seconds, tab, wait
 
 AXE = ROOT / "lab/node_modules/axe-core/axe.min.js"
 
@@ -156,14 +156,16 @@ def test_who_crosses_a_line_is_counted(page: Page) -> None:
 def test_each_part_is_accessible(page: Page, scheme: str) -> None:
     page.emulate_media(color_scheme="light" if scheme == "light" else "dark")
     make(page, 6, 400, 400)
-    for name in ("Start", "Room", "Crowd", "Motion", "Person", "Take away"):
-        tab(page, name)
-        page.wait_for_timeout(300)
-        # The policy allows no script of another place: this one is run as a tool of the browser.
-        page.evaluate(AXE.read_text())
-        found = page.evaluate("axe.run({ runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'] })")
-        problems = [(problem["id"], [node["html"] for node in problem["nodes"]]) for problem in found["violations"]]
-        assert not problems, name
+    for more in (True, False):
+        for name in ("Start", "Room", "Crowd", "Motion", "Person", "Take away"):
+            tab(page, name)
+            page.wait_for_timeout(300)
+            # The policy allows no script of another place: this one is run as a tool of the browser.
+            page.evaluate(AXE.read_text())
+            found = page.evaluate("axe.run({ runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'] })")
+            problems = [(problem["id"], [node["html"] for node in problem["nodes"]]) for problem in found["violations"]]
+            assert not problems, (name, more)
+        page.get_by_role("button", name="More", exact=True).click()
 
 
 def test_a_number_out_of_range_stays_and_is_not_taken(page: Page) -> None:
@@ -208,6 +210,7 @@ def test_a_phone_shows_and_runs(browser: Browser, url: str) -> None:
     phone.wait_for_selector("canvas")
     wait(phone, lambda: seconds(phone) > 0.3)
     assert phone.evaluate("document.documentElement.scrollWidth") <= 360
+    expect(phone.get_by_role("heading", level=1)).to_have_text("LEMONS lab")
     canvas = phone.locator("canvas").first.bounding_box()
     pause = phone.get_by_role("button", name="Pause").bounding_box()
     assert canvas and pause and pause["y"] + pause["height"] <= 740, (canvas, pause)
@@ -228,3 +231,63 @@ def test_files_are_what_they_are_called(page: Page, tmp_path: Path) -> None:
     for name, begin in begins.items():
         content = download(page, name, tmp_path).read_bytes()
         assert content.startswith(begin), (name, content[:40])
+
+
+@pytest.mark.parametrize("locale", ["en", "de", "fr"])
+def test_the_first_screen_has_what_is_needed_first(browser: Browser, url: str, locale: str) -> None:
+    context = browser.new_context(first=True, viewport={"width": 1440, "height": 900}, locale=locale)
+    page = context.new_page()
+    page.goto(url)
+    page.wait_for_selector("canvas")
+    wait(page, lambda: seconds(page) > 0.3)
+    controls, words, stage = page.evaluate(SHOWN)
+    assert controls <= 30 and words <= 200 and stage >= 0.55, (controls, words, stage)
+    # All else is one click away, and comes back with the visitor.
+    page.locator(".tools button[aria-pressed]").click()
+    assert page.evaluate(SHOWN)[0] > 60
+    page.reload()
+    page.wait_for_selector("canvas")
+    expect(page.locator(".tools button[aria-pressed=true]")).to_have_count(1)
+    context.close()
+
+
+def test_a_window_that_is_zoomed_to_200_percent_shows_the_stage(browser: Browser, url: str) -> None:
+    context = browser.new_context(first=True, viewport={"width": 720, "height": 450}, device_scale_factor=2)
+    page = context.new_page()
+    page.goto(url)
+    page.wait_for_selector("canvas")
+    wait(page, lambda: seconds(page) > 0.3)
+    assert page.evaluate(SHOWN)[2] > 0.3
+    assert page.locator(".time").evaluate("time => time.getBoundingClientRect().bottom") < 450
+    context.close()
+
+
+def test_keys_of_undo_are_those_of_a_field_while_it_is_typed_in(page: Page) -> None:
+    make(page, 25, 350, 300)
+    tab(page, "Crowd")
+    field = page.get_by_role("spinbutton", name="People")
+    fill(page, "People", 30)
+    field.focus()
+    field.press("Control+z")
+    expect(field).to_have_value("25")
+    field.press("Control+y")
+    expect(field).to_have_value("30")
+    # What is typed and not taken yet is the browser's.
+    field.press("Control+a")
+    field.press_sequentially("41")
+    field.press("Control+z")
+    becomes(page, lambda: plan(page)["crowd"]["number"], 30)
+    page.get_by_role("button", name="Undo").click()
+    becomes(page, lambda: plan(page)["crowd"]["number"], 25)
+
+
+def test_the_keyboard_comes_to_the_stage_at_once_and_names_are_whole(page: Page) -> None:
+    page.locator("body").press("Tab")
+    skip = page.get_by_role("button", name="To the stage")
+    expect(skip).to_be_focused()
+    skip.press("Enter")
+    expect(page.locator("canvas").first).to_be_focused()
+    name = page.get_by_label("Name of the scene")
+    for width in (1440, 1280):
+        page.set_viewport_size({"width": width, "height": 900})
+        assert name.evaluate("name => name.scrollWidth <= name.clientWidth")

@@ -54,6 +54,72 @@ def test_a_slider_changes_the_room_while_it_runs_and_the_exit_follows(page: Page
     assert "no problem" in lemons("check", trial)
 
 
+def test_a_slider_comes_back_to_where_it_was_and_the_run_begins_whatever_was_before(page: Page) -> None:
+    example(page, "The door", 70)
+    slider = page.get_by_role("slider", name="Desired speed")
+    for key, value in (("ArrowRight", 1.35), ("ArrowLeft", 1.34), ("ArrowRight", 1.35)):
+        slider.press(key)
+        becomes(page, lambda: plan(page)["made"]["motion"]["decision"]["desired_speed"], value)
+    wait(page, lambda: seconds(page) > 0.1)
+    page.get_by_role("button", name="Undo").click()
+    becomes(page, lambda: plan(page)["made"]["motion"]["decision"]["desired_speed"], 1.34)
+    page.get_by_role("button", name="Play").wait_for()
+    slider.press("ArrowRight")
+    wait(page, lambda: seconds(page) > 0.1)
+
+
+def test_the_answer_is_that_of_the_command_before_it_is_played_so_far(page: Page, tmp_path: Path) -> None:
+    example(page, "The door", 70)
+    slide(page, "People", 12)
+    expect(page.get_by_text("12 people placed in")).to_be_visible()
+    answer = page.locator(".answer")
+    expect(page.get_by_role("combobox", name="Chart")).to_have_value("left")
+    page.get_by_role("button", name="Pause").click()
+    # Few people may be computed to the end by now.
+    if (rest := page.get_by_role("button", name="Until all have left")).is_enabled():
+        rest.click()
+    expect(answer).to_contain_text(re.compile(r"All 12 have left after [\d.]+ s\.$"))
+    end = float(answer.inner_text().split()[-2])
+    assert seconds(page) < end
+    answer.get_by_role("button").click()
+    becomes(page, lambda: seconds(page), end)
+    lemons("run", download(page, "Trial (zip)", tmp_path), "--until", "left", "-o", tmp_path / "run.csv")
+    assert float(rows(tmp_path / "run.csv")[-1]["t"]) == pytest.approx(end)
+
+
+def test_the_greatest_squeeze_of_a_second_is_that_of_the_command(page: Page, tmp_path: Path) -> None:
+    example(page, "A dense square", 180)
+    play_until(page, 2)
+    end = round(100 * seconds(page))
+    expect(page.get_by_role("combobox", name="Chart")).to_have_value("greatest")
+    words = page.locator(".answer").inner_text()
+    found = re.fullmatch(r"Greatest squeeze, mean of 1 s: (\d+) N \((\d+), at ([\d.]+) s\)", words)
+    assert found
+    expect(page.get_by_role("row", name=words.replace(":", ""))).to_be_visible()
+    lemons("run", download(page, "Trial (zip)", tmp_path), "--until", end / 100, "-o", tmp_path / "run.csv")
+    table = rows(tmp_path / "run.csv")
+    people = len({row["id"] for row in table})
+    squeeze = np.array([float(row["mean_normal_force"]) for row in table]).reshape(-1, people)
+    # Of the first frame there is no step.
+    means = np.lib.stride_tricks.sliding_window_view(squeeze[1:], 100, axis=0).mean(axis=2)
+    k, who = np.unravel_index(means.argmax(), means.shape)
+    assert (int(found[1]), found[2], float(found[3])) == (round(means.max()), table[who]["id"], pytest.approx((k + 100) / 100))
+    # A click shows who it is, in the middle of it.
+    page.locator(".answer button").click()
+    expect(page.get_by_role("combobox", name="Person")).to_have_value(str(who))
+    becomes(page, lambda: round(100 * seconds(page)), int(k + 1 + squeeze[k + 1 : k + 101, who].argmax()))
+
+
+def test_the_answer_names_the_exits_where_they_are_asked_for(page: Page) -> None:
+    example(page, "Two exits", 60)
+    if (rest := page.get_by_role("button", name="Until all have left")).is_enabled():
+        rest.click()
+    answer = page.locator(".answer")
+    expect(answer).to_contain_text("All 60 have left")
+    counts = [int(count) for count in re.findall(r'": (\d+)', answer.inner_text())]
+    assert len(counts) == 2 and sum(counts) == 60
+
+
 def test_a_slider_that_is_dragged_is_one_step_of_undo(page: Page) -> None:
     example(page, "The door", 70)
     box = page.get_by_role("slider", name="People").bounding_box()
@@ -153,7 +219,10 @@ def test_both_runs_go_on_to_the_later_end(page: Page) -> None:
     slide(page, "People", 5)
     people(page, 5)
     page.get_by_label("Pace").select_option("4")
+    page.get_by_role("combobox", name="Chart").select_option("greatest")
     expect(page.get_by_text("All 5 have left after")).to_be_visible()
+    # It plays up to there, and stops.
+    expect(page.get_by_role("button", name="Play")).to_be_visible()
     end = seconds(page)
     page.get_by_role("button", name="Keep this run to compare").click()
     # A run that has ended plays again with another value.

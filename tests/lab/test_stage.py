@@ -7,7 +7,7 @@ from pathlib import Path
 import matplotlib
 import pytest
 from playwright.sync_api import Page, expect
-from visit import Picture, becomes, download, fill, lemons, make, plan, play_until, rows, show_at, tab, wait
+from visit import Picture, becomes, download, example, fill, lemons, make, plan, play_until, rows, show_at, tab, wait
 
 #: Frames in which everybody is looked at.
 EARLY, LATE = 60, 140
@@ -33,7 +33,8 @@ def wanted(page: Page, colour: str, value: float) -> list[float]:
     """As viridis has it, up to the end of the scale; squeeze as a warm grey and magma."""
     numbers = re.findall(r"[\d.,]+", page.locator(".scale").inner_text())
     low, high = (float(number.replace(",", "")) for number in numbers)
-    share = min(1, max(0, (value - low) / (high - low)))
+    # A whole number would be the place of a colour.
+    share = min(1.0, max(0.0, (value - low) / (high - low)))
     if colour != "Squeeze":
         return [255 * part for part in matplotlib.colormaps["viridis"](share)[:3]]
     assert low == 200 and high >= 400
@@ -66,7 +67,7 @@ def test_scrubbing_shows_what_the_command_computes(page: Page, tmp_path: Path) -
             x, y = (float(value) for value in re.findall(r"[-\d.]+", fact("Place")))
             assert (x, y) == pytest.approx((100 * number(frame, name, "x"), 100 * number(frame, name, "y")), abs=0.051)
             assert float(fact("Speed").split()[0]) == pytest.approx(speed(frame, name), abs=0.0051)
-            assert float(fact("Squeeze").split()[0].replace(",", "")) == pytest.approx(squeeze(frame, name), abs=0.51)
+            assert float(fact("Squeeze, mean of 0.1 s").split()[0].replace(",", "")) == pytest.approx(squeeze(frame, name), abs=0.51)
             assert int(fact("Contacts")) == contacts(frame, name)
         # Those who are selected have a mark of their own.
         person.select_option(label="nobody")
@@ -133,6 +134,33 @@ def test_trails_and_forces_are_drawn(page: Page) -> None:
     wait(page, lambda: pixels(page) != start, 20)
     page.get_by_role("button", name="Step back").click()
     wait(page, lambda: pixels(page) == start, 20)
+
+
+def test_the_pushed_are_seen_while_they_are_pushed(page: Page, tmp_path: Path) -> None:
+    example(page, "A dense square", 180)
+    picture = Picture(page)
+    page.get_by_label("Colour").select_option(label="Speed")
+    play_until(page, 0.6)
+    lemons("run", download(page, "Trial (zip)", tmp_path), "--until", "0.5", "-o", tmp_path / "run.csv")
+    scrub(page, 50)
+    now = [{name: float(value) for name, value in row.items()} for row in rows(tmp_path / "run.csv") if float(row["t"]) == 0.5]
+    # Within a circle, but not below its arrow.
+    there = [row for row in now if math.hypot(row["x"] - 0.4, row["y"] - 2.5) < 0.6 and abs(row["y"] - 2.5) > 0.2]
+    assert len(there) > 3
+
+    def shown(row: dict[str, float]) -> bool:
+        at = picture.pixel(row["x"] - 0.05 * math.cos(row["theta"]), row["y"] - 0.05 * math.sin(row["theta"]))
+        # The circle takes away less than a tenth of a colour.
+        return painted(picture, at) == pytest.approx(wanted(page, "Speed", math.hypot(row["vx"], row["vy"])), abs=36)
+
+    wait(page, lambda: all(map(shown, there)), 20)
+
+
+def test_obstacles_are_filled(page: Page) -> None:
+    example(page, "Two exits", 60)
+    picture = Picture(page)
+    pillar, floor = (painted(picture, picture.pixel(*at)) for at in ((6.4, 3), (7.6, 5.8)))
+    assert floor == [0, 0, 0] and pillar != floor
 
 
 def test_an_area_has_the_density_of_the_table(page: Page, tmp_path: Path) -> None:

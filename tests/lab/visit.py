@@ -134,8 +134,6 @@ def play_until(page: Page, end: float) -> None:
 def show_at(page: Page, end: float) -> None:
     """Shows a time [s] up to which the run is computed, and no further."""
     fill(page, "End of the timeline", end)
-    page.get_by_role("button", name="Compute it").click()
-    expect(page.get_by_text(f"computed: {end:.1f} s")).to_be_visible()
     page.get_by_role("slider", name="Time").press("End")
     wait(page, lambda: seconds(page) == end)
 
@@ -190,6 +188,24 @@ def places(trial: Path) -> dict[str, tuple[float, float, float]]:
         x, y = map(float, pose.attrib["Position"].split(","))
         found[agent.attrib["Id"]] = x, y, float(pose.attrib["Theta"])
     return found
+
+
+#: Shows all tools, numbers and settings from the first visit on.
+MORE = "try { localStorage.getItem('lemons-lab page') ?? localStorage.setItem('lemons-lab page', '{\"more\": true}'); } catch {}"
+
+
+#: What a page shows as it is opened, also where one must scroll: controls and words; and the share of the window that the stage
+#: has. Words of a choice are those of what is chosen.
+SHOWN = """() => {
+    const shown = (element) => element.checkVisibility() && !element.closest(".hidden, .skip, option, script, noscript");
+    const controls = [...document.querySelectorAll("button, input, select, textarea, summary, a[href]")].filter(shown);
+    const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    const words = controls.flatMap(({ selectedOptions }) => [...(selectedOptions ?? [])].map(({ textContent }) => textContent));
+    while (texts.nextNode()) if (shown(texts.currentNode.parentElement)) words.push(texts.currentNode.textContent);
+    const { left, top, right, bottom } = document.querySelector("canvas").getBoundingClientRect();
+    const inside = (from, to, end) => Math.max(0, Math.min(to, end) - Math.max(from, 0)) / end;
+    return [controls.length, words.join(" ").split(/\\s+/).filter(Boolean).length, inside(left, right, innerWidth) * inside(top, bottom, innerHeight)];
+}"""
 
 
 class Picture:

@@ -4,12 +4,16 @@
 
 use crate::frame::numbers;
 use crate::{Refused, Reply, require, within};
-use lemons_results::measure::{Above, SqueezeOverTime};
+use lemons_results::measure::{Above, Exposed, SPANS, SqueezeOverTime};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// How many are known at a time.
 const MOST: u32 = 4;
+
+/// Place of 1 s among [`SPANS`].
+const SECOND: usize = 1;
+const _: () = assert!(SPANS[SECOND] == 1.0);
 
 /// Frames more about a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -35,6 +39,19 @@ pub struct LimitRequest {
 pub(crate) struct Limit {
     /// `None`: the run is shorter than the means, or a step is longer.
     above: Option<AboveLimit>,
+    /// `None`: nobody was squeezed yet over the time of its means.
+    worst: Option<Sustained>,
+}
+
+/// The greatest of everybody's means of 1 s.
+#[derive(Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub(crate) struct Sustained {
+    /// \[N\]
+    squeeze: f64,
+    who: usize,
+    /// \[s\] When it ends.
+    at: f64,
 }
 
 /// People above a limit, and how long \[s\].
@@ -61,7 +78,7 @@ pub struct LimitProgress {
 
 /// Adds frames. The bytes have a double for each person of each frame: the squeeze \[N\], not a number for who has left. The
 /// answer: how many were above the limit, when at first \[s\], who was longest without a break and how long \[s\], and the time
-/// of all of them \[s\]; null if the run is shorter than the means, or a step is longer.
+/// of all of them \[s\], null if the run is shorter than the means, or a step is longer; and the greatest mean of 1 s.
 ///
 /// # Errors
 /// The bytes are no frames, or not those that are next.
@@ -98,8 +115,15 @@ pub fn add(
         known.exposure.add(known.next as f64 * step, squeeze);
         known.next += 1;
     }
-    let all: Option<Vec<Above>> = known.exposure.so_far().iter().map(|one| one.above[0]).collect();
+    let so_far = known.exposure.so_far();
     limits.insert(number, known);
+    let sustained = |(who, one): (usize, &Exposed)| {
+        let squeeze = one.largest_mean[SECOND].filter(|squeeze| *squeeze > 0.0)?;
+        Some(Sustained { squeeze, who, at: one.largest_mean_at[SECOND] })
+    };
+    let worst = so_far.iter().enumerate().filter_map(sustained);
+    let worst = worst.reduce(|one, other| if other.squeeze > one.squeeze { other } else { one });
+    let all: Option<Vec<Above>> = so_far.iter().map(|one| one.above[0]).collect();
     let above = all.map(|all| {
         let first = all.iter().filter_map(|one| one.first);
         let who = (1..people).fold(0, |a, b| if all[b].longest > all[a].longest { b } else { a });
@@ -111,5 +135,5 @@ pub fn add(
             time: all.iter().map(|one| one.time).sum(),
         }
     });
-    Reply::of(Limit { above })
+    Reply::of(Limit { above, worst })
 }

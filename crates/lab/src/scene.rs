@@ -6,8 +6,8 @@ use crate::mechanics::{Contact, Material2d};
 use crate::run::LabRun;
 use crowd_mechanics::setup::Setup;
 use lemons_core::message::Message;
-use lemons_core::plane::Vec2;
-use lemons_core::trial;
+use lemons_core::plane::{Ring, Vec2, segments_cross, turn, vec2};
+use lemons_core::trial::{self, Trial};
 use lemons_decision::rule::Waypoint;
 use lemons_decision::target::Target;
 use lemons_people::{Person, Sex, mechanical_step_for};
@@ -62,6 +62,8 @@ pub(crate) struct Scene {
     /// Whether people walk, on ways or to exits and goals.
     walk: bool,
     ways: Vec<Vec<Waypoint>>,
+    /// Where ways cross walls that never open, with the place of each way: people walk straight from point to point.
+    crossed: Vec<(usize, [f64; 2])>,
     /// Exits, then goals.
     targets: Vec<Target>,
     /// How many have an exit.
@@ -97,6 +99,8 @@ struct AgentShown {
 struct WallShown {
     id: String,
     corners: Vec<[f64; 2]>,
+    /// Closed, with nobody in it at the start, and not around all other walls.
+    obstacle: bool,
     /// \[s\] Times from which to which it is open; without, never.
     #[cfg_attr(feature = "typescript", ts(as = "Option<Vec<[f64; 2]>>", optional))]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -105,6 +109,33 @@ struct WallShown {
     #[cfg_attr(feature = "typescript", ts(optional))]
     #[serde(skip_serializing_if = "Option::is_none")]
     heights: Option<[f64; 2]>,
+}
+
+/// Returns whether a closed line \[m\] of a Trial has nobody in it at the start, and is not around all walls.
+fn is_obstacle(trial: &Trial, line: &[Vec2]) -> bool {
+    let Some(ring) = Ring::of_closed(line) else { return false };
+    let bounds = ring.bounds();
+    let within = |place: Vec2| bounds.contains(place) && ring.contains(place);
+    let beyond = |wall: &trial::Wall| !wall.corners.iter().all(|corner| bounds.contains(*corner));
+    trial.geometry.walls.iter().any(beyond) && !trial.dynamics.iter().any(|here| within(here.position))
+}
+
+/// Returns where the legs of ways \[m\] cross walls of a Trial that never open.
+fn crossed(trial: &Trial, ways: &[Vec<Waypoint>]) -> Vec<(usize, [f64; 2])> {
+    let walls: Vec<&[Vec2]> =
+        trial.geometry.walls.iter().filter(|wall| wall.open.is_none()).map(|wall| &*wall.corners).collect();
+    let sides = || walls.iter().flat_map(|corners| corners.windows(2));
+    let mut found = Vec::new();
+    for (way, points) in ways.iter().enumerate() {
+        for leg in points.windows(2) {
+            let [a, b] = [0, 1].map(|k| vec2(leg[k].x, leg[k].y));
+            for side in sides().filter(|side| segments_cross(a, b, side[0], side[1])) {
+                let [from, to] = [a, b].map(|end| turn(side[0], side[1], end));
+                found.push((way, (a + (b - a) * (from / (from - to))).into()));
+            }
+        }
+    }
+    found
 }
 
 /// Measures of somebody in a crowd.
@@ -151,6 +182,7 @@ pub(crate) fn of(run: &LabRun) -> Scene {
     let wall = |wall: &trial::Wall| WallShown {
         id: wall.id.clone(),
         corners: corners(&wall.corners),
+        obstacle: is_obstacle(trial, &wall.corners),
         open: wall.open.clone(),
         heights: Some(ends(&wall.heights)).filter(|_| !wall.heights.is_all()),
     };
@@ -159,6 +191,8 @@ pub(crate) fn of(run: &LabRun) -> Scene {
         Some(PersonDrawn { sex, breadth, depth, stature, mass })
     };
     let plan = loaded.plan.as_ref();
+    let ways: Vec<Vec<Waypoint>> =
+        plan.map_or_else(Vec::new, |plan| plan.ways_of_points(100).into_iter().map(<[_]>::to_vec).collect());
     let mut pushed: Vec<String> = loaded.table.agents().map(str::to_owned).collect();
     pushed.sort_unstable();
     let of_people: BTreeSet<&str> =
@@ -213,8 +247,8 @@ pub(crate) fn of(run: &LabRun) -> Scene {
         overlap,
         pushed,
         walk: plan.is_some(),
-        ways: plan
-            .map_or_else(Vec::new, |plan| plan.ways_of_points(100).into_iter().map(<[_]>::to_vec).collect()),
+        crossed: crossed(trial, &ways),
+        ways,
         targets: plan.map_or_else(Vec::new, |plan| plan.targets.clone()),
         leaving: plan.map_or(0, |plan| plan.leaving().into_iter().filter(|leaves| *leaves).count()),
         people: loaded.people.as_ref().map(|people| people.iter().map(person).collect()),

@@ -23,6 +23,13 @@ fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
     let walls: Vec<Vec<[f64; 2]>> =
         made["scene"]["walls"].as_array().unwrap().iter().map(|wall| read(&wall["corners"])).collect();
     assert_eq!(walls.len(), 2);
+    // Also where the room is a closed wall, too.
+    let closed = with(base.clone(), "room", with(room.clone(), "doors", json!([])));
+    let (whole, _) = ok(&mut lab, own(with(closed, "density", json!(2.0))));
+    for shown in [&made, &whole] {
+        let walls = shown["scene"]["walls"].as_array().unwrap().iter();
+        assert!(walls.map(|wall| wall["obstacle"].as_bool().unwrap()).eq([false, true]));
+    }
     let ends = [walls[0][0], *walls[0].last().unwrap()];
     assert!(ends.iter().all(|end| close(end[0], 8.0, 1e-12)), "{ends:?}");
     assert!(close((ends[0][1] - ends[1][1]).abs(), 0.9, 1e-12));
@@ -48,6 +55,19 @@ fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
         let message = refused(&mut lab, own(base), &[]);
         assert!(message.contains(words), "{key}: {message}");
     }
+}
+
+/// A way goes straight through a pillar.
+#[test]
+fn where_a_way_crosses_walls_is_told() {
+    let square = |low: f64, high: f64| json!([[low, low], [high, low], [high, high], [low, high]]);
+    let room = json!({"outline": square(0.0, 5.0), "obstacles": [square(2.0, 3.0)], "doors": []});
+    let point = |x: f64| json!({"x": x, "y": 2.5, "radius": 0.2});
+    let motion = json!({"kind": "walk", "speed": 1.3, "ways": [[point(0.5), point(1.0), point(4.0)]]});
+    let (made, _) = ok(&mut Lab::default(), with(own(crowd(4, room)), "motion", motion));
+    let mut crossed: Vec<(usize, [f64; 2])> = read(&made["scene"]["crossed"]);
+    crossed.sort_by(|one, other| one.1[0].total_cmp(&other.1[0]));
+    assert_eq!(crossed, [(0, [2.0, 2.5]), (0, [3.0, 2.5])]);
 }
 
 /// A room that is drawn: a door a quarter of the way up the wall on the right, another one in an obstacle's.

@@ -306,7 +306,16 @@ fn time_above_a_limit_is_that_of_the_library() {
     assert!(nothing["above"].is_null(), "shorter than the mean: {nothing}");
     let (half, _) = ok_of(&mut lab, asked(20, 300.0, 1.0), &bytes(&frames[20..55]));
     assert_eq!(half["above"]["people"], 1);
+    let worst = |told: &Value, squeeze: f64, at: f64| {
+        let worst = &told["worst"];
+        assert_eq!(worst["who"], 0);
+        let near = |name: &str, expected| close(worst[name].as_f64().unwrap(), expected, 1e-9);
+        assert!(near("squeeze", squeeze) && near("at", at), "{worst}");
+    };
+    assert!(nothing["worst"].is_null());
+    worst(&half, 400.0, 2.5);
     let (seen, _) = ok_of(&mut lab, asked(55, 300.0, 1.0), &bytes(&frames[55..]));
+    worst(&seen, 800.0, 5.0);
     let seen = &seen["above"];
     let number = |name: &str| seen[name].as_f64().unwrap();
     for (name, expected) in
