@@ -125,9 +125,8 @@ impl CrowdModel {
     fn open_and_close(&mut self, time: f64, begins: bool) -> Answer<()> {
         let Some(world) = &mut self.world else { return Ok(()) };
         let (setup, settings) = (Setup::of(&self.trial), &self.settings);
-        let shut = |door| settings.elements.get(&(CrowdQuantity::DoorOpen, door)) == Some(&0.0);
         let operate = if begins { Setup::begin } else { Setup::open_and_close };
-        Ok(operate(&setup, time, shut, world)?)
+        Ok(operate(&setup, time, |door| settings.shuts(door), world)?)
     }
 
     /// Before an input of an agent is set: the packed drive no longer drives it, as if it had none.
@@ -165,6 +164,7 @@ impl CrowdModel {
             let mut world = Setup::of(&self.trial).world()?;
             give_threads(&mut world, self.settings.threads, None)?;
             self.dismiss(&mut world)?;
+            Setup::of(&self.trial).begin(0.0, |door| self.settings.shuts(door), &mut world)?;
             // A state with such forces could not be restored.
             if let Some(i) = world.exposures().iter().position(|exposure| !exposure.is_finite()) {
                 let told = format!("agent {:?}: the forces on it are not finite", self.trial.agents[i].id);
@@ -175,15 +175,13 @@ impl CrowdModel {
         Ok(self.world.as_mut().expect("made above"))
     }
 
-    /// Gives the world the tunable parameters that were set since the last step. Poses, motions and springs stay; forces, and
-    /// what springs hold, follow from the new laws.
-    fn retune(&mut self) -> Answer<()> {
-        if !self.tuned {
-            return Ok(());
-        }
-        let Some(running) = self.running() else { return Ok(()) };
+    /// Gives the world the tunable parameters that were set since the last step, if a step \[s\] can be made with them. Poses,
+    /// motions and springs stay; forces, and what springs hold, follow from the new laws.
+    fn retune(&mut self, step: f64) -> Answer<()> {
+        let Some(running) = self.running().filter(|_| self.tuned) else { return Ok(()) };
         self.settings.choose_step(&mut self.trial, &self.packed.trial);
         let mut world = Setup::of(&self.trial).world()?;
+        self.few_steps(step, world.mechanical_step)?;
         self.run_on(&mut world, &running, self.settings.threads)?;
         (self.world, self.tuned) = (Some(world), false);
         let advice = Setup::of(&self.trial).advice_as_edited();
@@ -206,10 +204,7 @@ impl CrowdModel {
     }
 
     /// Checks that a communication step \[s\] has no more mechanical steps than allowed.
-    fn few_steps(&self, step: f64) -> Answer<()> {
-        let Some(mechanical_step) = self.world.as_ref().map(|world| world.mechanical_step) else {
-            return Ok(());
-        };
+    fn few_steps(&self, step: f64, mechanical_step: f64) -> Answer<()> {
         let steps = step_count(step, mechanical_step).or_else(|error| refuse(error.to_string()))?;
         let most = self.settings.most_steps;
         if steps as f64 > most {

@@ -39,12 +39,18 @@ const PANELS: &[Dimension] = &[Dimension::Size(3)];
 const CHESTS: &[Dimension] = &[Dimension::Size(4)];
 const DOORS: &[Dimension] = &[Dimension::Size(5)];
 /// Where disks and faces are: on this contacts and overlaps depend at the start.
-const PLACES: &[CrowdQuantity] =
-    &[CrowdQuantity::Trial, CrowdQuantity::Active, CrowdQuantity::Position, CrowdQuantity::Theta];
+const PLACES: &[CrowdQuantity] = &[
+    CrowdQuantity::Trial,
+    CrowdQuantity::Active,
+    CrowdQuantity::DoorOpen,
+    CrowdQuantity::Position,
+    CrowdQuantity::Theta,
+];
 /// On this normal forces depend at the start.
 const FORCES: &[CrowdQuantity] = &[
     CrowdQuantity::Trial,
     CrowdQuantity::Active,
+    CrowdQuantity::DoorOpen,
     CrowdQuantity::Position,
     CrowdQuantity::Theta,
     CrowdQuantity::Velocity,
@@ -57,6 +63,7 @@ const FORCES: &[CrowdQuantity] = &[
 const ALL_FORCES: &[CrowdQuantity] = &[
     CrowdQuantity::Trial,
     CrowdQuantity::Active,
+    CrowdQuantity::DoorOpen,
     CrowdQuantity::Position,
     CrowdQuantity::Theta,
     CrowdQuantity::Velocity,

@@ -13,8 +13,8 @@ import type { Sustained } from "./protocol";
 import { selected } from "./session";
 import { UntilLeft } from "./transport";
 
-/** The example on the stage, as long as it has its name. */
-export const example = () => EXAMPLES.find(({ name }) => name === scene.value.name);
+/** The example on the stage, as long as it has its name, or that of a copy. */
+export const example = () => EXAMPLES.find(({ name }) => [name, t("{name} (copy)", { name })].includes(scene.value.name));
 
 /** What is asked of the scene on the stage. */
 export function askedOf({ scene: { leaving } }: Film) {
@@ -60,11 +60,15 @@ function known(film: Film): Known | string {
     }
     const [emptied, computed] = [film.emptied.value, calmly(film, film.computed) - 1];
     const k = emptied ?? calmly(film, film.shown);
-    const exits = asked === "exits" ? perExit(film, k).map(({ name, people }) => `${named(name)}: ${people}`) : [];
-    const words = [leftWords(film, k), exits.join(", ")].filter(Boolean).join(" ");
+    const wordsAt = (k: number) => {
+        const exits = asked === "exits" ? perExit(film, k).map(({ name, people }) => `${named(name)}: ${people}`) : [];
+        return [leftWords(film, k), exits.join(", ")].filter(Boolean).join(" ");
+    };
+    const words = wordsAt(k);
     if (emptied !== null) return { words, frame: emptied };
     const gaveUp = film.bound.value !== null && computed === film.wanted.value;
-    return gaveUp ? { words: t("Not all have left after {time} s: it ends there.", { time: (computed * step).toFixed(2) }), frame: computed } : words;
+    const ends = t("Not all have left after {time} s: it ends there.", { time: (computed * step).toFixed(2) });
+    return gaveUp ? { words: `${ends} ${wordsAt(computed)}`, frame: computed } : words;
 }
 
 export function Answer({ film }: { film: Film }) {

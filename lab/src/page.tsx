@@ -189,7 +189,7 @@ addEventListener("keydown", (event) => {
         // What is being typed, the field takes back itself.
         if (inField && target.dataset.typed === "true") return;
         event.preventDefault();
-        if (key === "z" && !event.shiftKey) undo();
+        if (key.toLowerCase() === "z" && !event.shiftKey) undo();
         else redo();
     } else if (inField) return;
     else if (key === "Escape" && presents.value) present(false);

@@ -185,7 +185,7 @@ export function playsOn(): boolean {
 
 /** What takes the place of the present run plays: who moves a slider wants to see what follows. */
 export function goOn() {
-    if (film.peek()) film.peek()!.playing.value = moves;
+    if (moves && film.peek()) film.peek()!.playing.value = true;
 }
 
 /** Makes it the present run; from its start again, if it is. */

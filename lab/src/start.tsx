@@ -46,7 +46,8 @@ export function StartTab() {
         <section class="panel" aria-label={t("Start")}>
             {/* Asked of the people that there are now. */}
             <h2>{here ? asked(here, film.value?.scene.agents.length) : name}</h2>
-            {here && <p class="note">{here.sentence}</p>}
+            {/* It tells of the example as it is. */}
+            {here && !canUndo.value && <p class="note">{here.sentence}</p>}
             <Sliders />
             <div class="row">
                 <Keep />

@@ -119,6 +119,9 @@ impl Model for CrowdModel {
             CrowdQuantity::Active => self.set_present(element, value, phase),
             CrowdQuantity::DoorOpen => {
                 self.settings.elements.insert((quantity, element), value);
+                if phase != Phase::StepComplete {
+                    self.world = None;
+                }
             }
             _ if quantity.row().role == Role::Tunable && phase == Phase::StepComplete => {
                 self.edit(quantity, element, value);
@@ -180,10 +183,13 @@ impl Model for CrowdModel {
 
     /// Present inputs act from the next step on.
     fn dependencies(&self, computed: CrowdQuantity, known: Known) -> Dependencies<CrowdQuantity> {
-        Dependencies::All(match known {
-            Known::Inputs => Vec::new(),
-            Known::Starts => computed.row().initially_on.to_vec(),
-        })
+        let on = match known {
+            Known::Inputs => &[][..],
+            Known::Starts => computed.row().initially_on,
+        };
+        // Trials without doors have no such input.
+        let doors = self.trial.geometry.doors().next().is_some();
+        Dependencies::All(on.iter().copied().filter(|on| doors || *on != CrowdQuantity::DoorOpen).collect())
     }
 
     fn set_tolerance(&mut self, tolerance: Option<f64>) {
@@ -222,7 +228,7 @@ impl Model for CrowdModel {
 
     fn look_ahead(&mut self, from: f64, so_far: f64, point: f64) -> Answer<()> {
         if so_far == 0.0 {
-            self.retune()?;
+            self.retune(point)?;
             self.start.clone_from(&self.world);
             self.play(from);
             self.open_and_close(from, false)?;
@@ -238,8 +244,9 @@ impl Model for CrowdModel {
             self.world = Some(start);
         }
         self.make_world().map_err(StepError::Refused)?;
-        self.retune().map_err(StepError::Refused)?;
-        self.few_steps(length).map_err(StepError::Refused)?;
+        self.retune(length).map_err(StepError::Refused)?;
+        let mechanical_step = self.world.as_ref().map_or(f64::INFINITY, |world| world.mechanical_step);
+        self.few_steps(length, mechanical_step).map_err(StepError::Refused)?;
         // The importer's time, which may differ from ours by rounding.
         self.play(from);
         self.open_and_close(from, false).map_err(StepError::Failed)?;

@@ -56,6 +56,11 @@ impl Settings {
         trial.parameters.time_step_mechanical = longest.min(needed);
     }
 
+    /// Returns whether a door is shut, whatever its times are.
+    pub fn shuts(&self, door: usize) -> bool {
+        self.elements.get(&(CrowdQuantity::DoorOpen, door)) == Some(&0.0)
+    }
+
     /// Returns a packed Trial with these settings; `None` if it does not have what was set.
     pub fn applied_to(&self, packed: &Trial) -> Option<Trial> {
         let mut trial = packed.clone();

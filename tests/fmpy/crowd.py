@@ -52,10 +52,15 @@ def log(_environment, instance, _status, _category, message):
 
 
 callbacks = fmi2CallbackFunctions()
-callbacks.logger = fmi2CallbackLoggerTYPE(log)
+logger = fmi2CallbackLoggerTYPE(log)
 callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
 callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-addLoggerProxy(byref(callbacks))
+
+
+def listen():
+    """FMPy's proxy knows one logger of the process: the last one that was given to it, which may be gone."""
+    callbacks.logger = logger
+    addLoggerProxy(byref(callbacks))
 
 
 class Crowd:
@@ -77,6 +82,7 @@ class Crowd:
         self.time = 0.0
 
     def instantiate(self):
+        listen()
         self.fmu.instantiate(callbacks=callbacks, loggingOn=True)
         return self
 

@@ -83,6 +83,23 @@ def test_who_finds_an_exit_shut_takes_another_one(lemons, tmp_path):
     assert counts[19] == counts[149] > 10
 
 
+def test_what_is_opened_again_before_a_step_was_never_shut(lemons, tmp_path, decide, instantiate):
+    """All of the state is the same."""
+    subprocess.run([lemons, "crowd", *HALL, "-o", "T"], check=True, capture_output=True, cwd=tmp_path)
+    path = decide(trial=tmp_path / "T")
+    states = []
+    for toggles in (False, True):
+        decision = instantiate(path).initialize()
+        for _ in range(10):
+            decision["agent[0].Velocity.x"] = 0.1
+            for is_open in (False, True) * toggles:
+                decision["exit[0].Open"] = is_open
+                assert np.isfinite(decision["agent[0].Fp.x"])
+            decision.step(STEP)
+        states.append(bytes(decision.fmu.serializeFMUstate(decision.fmu.getFMUstate())))
+    assert states[0] == states[1]
+
+
 def test_a_state_knows_what_is_shut(lemons, tmp_path):
     subprocess.run([lemons, "crowd", *HALL, "-o", "T"], check=True, capture_output=True, cwd=tmp_path)
     with lemons_fmu.Crowd(tmp_path / "T") as crowd:

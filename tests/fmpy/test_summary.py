@@ -11,6 +11,7 @@ import zipfile
 import documented
 import pytest
 from crowd import REPOSITORY, TRIAL_DOOR, Crowd, bits
+from crowd import refused as refused_call
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 from masters import Job, run
@@ -153,6 +154,53 @@ def test_state(summary, instantiate, row):
         seen.append([crowd[name] for name in names])
     assert seen[0] == seen[1]
     row("fmpy", "the summary FMU: the state as bytes to another instance", "same bits as without")
+
+
+def test_a_state_has_the_tolerance_and_is_of_these_slots(pack, room, summary, instantiate):
+    def squeezed(fmu):
+        for k in range(32, 48):
+            fmu.fmu.doStep(k * STEP, STEP)
+        return fmu["area2_squeeze_max"]
+
+    def begun(fmu, tolerance=None):
+        fmu.fmu.setupExperiment(startTime=0.0, tolerance=tolerance)
+        fmu.fmu.enterInitializationMode()
+        at_start = fmu.fmu.serializeFMUstate(fmu.fmu.getFMUstate())
+        assert fmu["people_inside"] == 30
+        # What was read does not count.
+        fmu.fmu.setFMUstate(fmu.fmu.deSerializeFMUstate(at_start))
+        assert fmu["people_inside"] == 30
+        fmu.fmu.exitInitializationMode()
+        for k in range(32):
+            fmu.fmu.doStep(k * STEP, STEP)
+        return fmu
+
+    first, coarse, other = (instantiate(summary()) for _ in range(3))
+    state = begun(first, 1e-7).fmu.serializeFMUstate(first.fmu.getFMUstate())
+    wanted = squeezed(first)
+    assert wanted != squeezed(begun(coarse))
+    other.fmu.setFMUstate(other.fmu.deSerializeFMUstate(state))
+    assert squeezed(other) == wanted
+    elsewhere = instantiate(pack(room, options=["--interface", "summary", "--area", "front=0,0,1,5", "--area", "all=-2,-2,10,7", "--panel", "0", "--panel", "12"]))
+    with refused_call(elsewhere, "another summary"):
+        elsewhere.fmu.setFMUstate(elsewhere.fmu.deSerializeFMUstate(state))
+
+
+def test_a_door_that_is_shut_at_the_start(lemons, tmp_path, pack, instantiate):
+    """The outside: `lemons run` with the same input. People lean on it from the start."""
+    options = ["-n", "12", "--box", "3x2", "--leave", "--seed", "1", "--door", "3,1,1.2,0,1e6", "--region", "2,0,3,2", "--allow-overlap"]
+    subprocess.run([lemons, "crowd", *options, "-o", "T"], check=True, capture_output=True, cwd=tmp_path)
+    run_of = [lemons, "run", "T", "--set", "door[0].Open=false", "--until", "4", "--step", repr(STEP), "-o", "t.csv"]
+    subprocess.run(run_of, check=True, capture_output=True, cwd=tmp_path)
+    fmu = instantiate(pack(tmp_path / "T", options=["--interface", "summary"]))
+    fmu.fmu.setupExperiment(startTime=0.0)
+    fmu.fmu.enterInitializationMode()
+    fmu["door1_open"] = False
+    fmu.fmu.exitInitializationMode()
+    for k in range(64):
+        fmu.fmu.doStep(k * STEP, STEP)
+    left = sum(row["active"] == "0" for row in table(tmp_path / "t.csv")[-12:])
+    assert fmu["exit1_left"] == left == 0
 
 
 def test_the_table_of_the_page(lemons, tmp_path):

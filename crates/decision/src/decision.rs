@@ -374,7 +374,7 @@ impl Decision {
 
     /// The same at its start.
     fn anew(&self) -> Decision {
-        Decision { ways: self.ways.clone(), ..Decision::new(self.plan.clone()) }
+        Decision { ways: self.ways_of_plan(), ..Decision::new(self.plan.clone()) }
     }
 
     /// Finds the ways to exits and goals, unless that was done before.

@@ -214,8 +214,7 @@ impl Simulation {
     pub fn set_open(&mut self, name: &str, open: bool) -> bool {
         let parts = name.strip_suffix(']').and_then(|name| name.split_once('['));
         let Some((thing, Ok(k))) = parts.map(|(thing, k)| (thing, k.parse::<usize>())) else { return false };
-        let walls = &self.trial().geometry.walls;
-        let doors = walls.iter().filter(|wall| wall.open.is_some()).count();
+        let doors = self.trial().geometry.doors().count();
         let exits = self.decision.as_ref().map_or(0, |decision| decision.model.exits().count());
         let quantity = match thing {
             "door" if k < doors => DecisionQuantity::DoorOpen,
@@ -376,13 +375,16 @@ impl Simulation {
         if !saved.time.is_finite() || saved.decision.is_some() != self.decision.is_some() {
             return Err(SimError::State);
         }
-        if let (Some(IndexedModel { model: decision, .. }), Some(saved)) =
-            (&mut self.decision, &saved.decision)
-        {
-            decision.restore(saved)?;
-            self.acts = decision.acts()?;
+        let Simulation { crowd: IndexedModel { model: crowd, .. }, decision, .. } = self;
+        // Of both or of none: what the crowd refuses is taken back.
+        if let (Some(IndexedModel { model: decision, .. }), Some(of_decision)) = (decision, &saved.decision) {
+            let before = decision.save();
+            decision.restore(of_decision)?;
+            let acts = decision.acts().and_then(|acts| crowd.restore(&saved.crowd).map(|()| acts));
+            self.acts = acts.or_else(|refused| decision.restore(&before).and(Err(refused)))?;
+        } else {
+            crowd.restore(&saved.crowd)?;
         }
-        self.crowd.model.restore(&saved.crowd)?;
         (self.time, self.adds) = (saved.time, saved.adds);
         self.pushes.clear();
         Ok(())

@@ -1,7 +1,6 @@
 //! What of a Trial is in which slot: `summary.toml`, as it was told when the FMU was packed.
 
 use crate::quantities::{SummaryQuantity, What};
-use lemons_core::trial::Wall;
 use lemons_results::measure::{LIMIT, MeasuringArea};
 use lemons_sim::Documents;
 use serde::{Deserialize, Serialize};
@@ -142,8 +141,7 @@ impl SummaryConfig {
         let choice = |what, option, first, of: What| Choice { what, option, first, room: of.slots() };
         let chosen = choice("exits", "--exit NAME", "exit", What::ExitLeft).of(&named, &self.exits)?;
         let geometry = &documents.trial.geometry;
-        let doors: Vec<&Wall> = geometry.walls.iter().filter(|wall| wall.open.is_some()).collect();
-        let ids: Vec<String> = doors.iter().map(|door| door.id.clone()).collect();
+        let ids: Vec<String> = geometry.doors().map(|(_, door)| door.id.clone()).collect();
         let doors = choice("doors", "--door ID", "door", What::DoorOpen).of(&ids, &self.doors)?;
         let places: Vec<(&str, [String; 2])> = geometry
             .panels()

@@ -9,8 +9,9 @@ use lemons_core::files::source::LocalFiles;
 use lemons_core::trial::DriveTable;
 use lemons_decision::{DECISION_FILE, Plan};
 use lemons_fmi::location::Location;
-use lemons_fmi::variables::{Dependencies, Known, Scalar, Size, Variable};
+use lemons_fmi::variables::{Dependencies, Domain, Known, Scalar, Size, Variable};
 use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, damaged, refuse};
+use lemons_results::measure::LIMIT;
 use lemons_sim::Documents;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -18,6 +19,10 @@ use std::borrow::Cow;
 /// The saved state, without the location of the resources.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SavedSummary {
+    /// Of what is in the slots.
+    fingerprint: u128,
+    /// \[m\]
+    tolerance: Option<f64>,
     simulation: Vec<u8>,
     /// Inputs, too.
     pub(crate) values: Vec<f64>,
@@ -33,7 +38,7 @@ impl Model for Summary {
     const DESCRIPTION: &'static str =
         "a dense crowd and where its people walk, in a few numbers: exits, areas, barriers";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 1;
+    const STATE_VERSION: u32 = 2;
     const SIZES: &'static [Size] = &[];
     const VARIABLES: &'static [Variable<SummaryQuantity>] = &QUANTITIES;
 
@@ -114,9 +119,11 @@ impl Model for Summary {
         self.values[quantity.place()] = value;
     }
 
-    /// Inputs count within steps.
-    fn dependencies(&self, _: SummaryQuantity, _: Known) -> Dependencies<SummaryQuantity> {
-        Dependencies::All(Vec::new())
+    /// Inputs count within steps, and at the start.
+    fn dependencies(&self, _: SummaryQuantity, known: Known) -> Dependencies<SummaryQuantity> {
+        let inputs = QUANTITIES.iter().map(|row| row.quantity).filter(|of| of.is_input());
+        let present = inputs.filter(|of| known == Known::Starts && Model::has(self, *of));
+        Dependencies::All(present.collect())
     }
 
     fn set_tolerance(&mut self, tolerance: Option<f64>) {
@@ -138,23 +145,41 @@ impl Model for Summary {
     }
 
     fn save(&self) -> SavedSummary {
-        let (values, seen) = (self.values.clone(), self.seen.clone());
-        SavedSummary { simulation: self.simulation.save(), values, seen }
+        SavedSummary {
+            fingerprint: self.fingerprint,
+            tolerance: self.tolerance,
+            simulation: self.simulation.save(),
+            values: self.values.clone(),
+            seen: self.seen.clone(),
+        }
     }
 
     fn restore(&mut self, saved: &SavedSummary) -> Answer<()> {
-        let SavedSummary { simulation, values, seen } = saved;
-        let in_domain = values.iter().zip(&QUANTITIES).all(|(value, row)| row.domain.check(*value).is_ok());
-        let people = self.simulation.ids().len();
-        let fits = seen
-            .as_ref()
-            .is_none_or(|seen| seen.departures.times().len() == people && seen.start.is_finite());
-        if values.len() != QUANTITIES.len() || !in_domain || !fits {
-            return damaged("it has other people or variables, or impossible values");
+        let SavedSummary { fingerprint, tolerance, simulation, values, seen } = saved;
+        if *fingerprint != self.fingerprint {
+            return refuse(
+                "the state belongs to another summary, with other exits, doors, panels, areas or limit",
+            );
         }
+        let in_domain = values.iter().zip(&QUANTITIES).all(|(value, row)| row.domain.check(*value).is_ok());
+        let positive = tolerance.is_none_or(|tolerance| Domain::Positive.check(tolerance).is_ok());
+        let people = self.simulation.ids().len();
+        let fits = seen.as_ref().is_none_or(|Seen { start, departures, squeezes }| {
+            start.is_finite() && departures.fits(people) && squeezes.fits(people, LIMIT.1)
+        });
+        let impossible = || damaged("it has other people or variables, or impossible values");
+        if values.len() != QUANTITIES.len() || !in_domain || !positive || !fits {
+            return impossible();
+        }
+        let before = self.simulation.save();
         self.simulation.restore(simulation)?;
+        if seen.is_some() != self.simulation.world().is_some() {
+            self.simulation.restore(&before)?;
+            return impossible();
+        }
         self.values.clone_from(values);
         self.seen.clone_from(seen);
+        (self.tolerance, self.peeked) = (*tolerance, false);
         Ok(())
     }
 }

@@ -21,6 +21,7 @@ pub use fmi::SavedSummary;
 use config::Slots;
 use lemons_decision::decision::Influence;
 use lemons_decision::target::nearest_exit;
+use lemons_fmi::fingerprint;
 use lemons_results::Frame;
 use lemons_results::measure::{Across, Departures, LIMIT, MovingMeans, Window, present, quantile, squeeze};
 use lemons_sim::{Algorithm, Documents, SimError, Simulation};
@@ -35,6 +36,8 @@ pub struct Summary {
     values: Vec<f64>,
     /// Since initialization.
     seen: Option<Seen>,
+    /// Fingerprint of what is in the slots.
+    fingerprint: u128,
     /// \[m\] See [`Simulation::begin`].
     tolerance: Option<f64>,
     /// Whether the values of the start are known before initialization.
@@ -59,7 +62,9 @@ impl Summary {
         let slots = config.slots(&documents)?;
         let simulation = Simulation::new(documents, Algorithm::Jacobi)?;
         let values = vec![0.0; QUANTITIES.len()];
-        let mut made = Summary { simulation, slots, values, seen: None, tolerance: None, peeked: false };
+        let fingerprint = fingerprint(config.to_toml()?.as_bytes());
+        let (seen, tolerance, peeked) = (None, None, false);
+        let mut made = Summary { simulation, slots, values, seen, fingerprint, tolerance, peeked };
         made.forget();
         Ok(made)
     }
@@ -79,6 +84,7 @@ impl Summary {
 
     /// Begins at a time \[s\].
     fn begin(&mut self, start: f64) -> Result<(), SimError> {
+        self.pass_inputs()?;
         self.simulation.begin(start, self.tolerance)?;
         let departures = Departures::of(self.simulation.ids().len());
         self.seen = Some(Seen { start, departures, squeezes: MovingMeans::over(LIMIT.1) });
@@ -87,6 +93,13 @@ impl Summary {
 
     /// Steps to a time \[s\] under the present inputs.
     fn step_to(&mut self, time: f64) -> Result<(), SimError> {
+        self.pass_inputs()?;
+        self.simulation.step_to(time)?;
+        self.see()
+    }
+
+    /// Passes the inputs on.
+    fn pass_inputs(&mut self) -> Result<(), SimError> {
         let input = |what, slot| self.values[SummaryQuantity { what, slot }.place()];
         let arrivals = self.has(What::Arrivals, 0).then(|| input(What::Arrivals, 0));
         let influence = Influence {
@@ -99,8 +112,7 @@ impl Summary {
         for (quantity, name) in &self.slots.operated {
             self.simulation.set_open(name, self.values[quantity.place()] != 0.0);
         }
-        self.simulation.step_to(time)?;
-        self.see()
+        Ok(())
     }
 
     /// Returns whether what is loaded has this.

@@ -33,6 +33,13 @@ pub struct Left {
 }
 
 impl Departures {
+    /// Returns whether they can be of so many people.
+    pub fn fits(&self, people: usize) -> bool {
+        let finite = self.times.iter().flatten().all(|time| time.is_finite())
+            && self.places.iter().flatten().all(|at| at.iter().all(|x| x.is_finite()));
+        self.times.len() == people && self.places.len() == people && finite
+    }
+
     /// Begins, for so many people.
     pub fn of(people: usize) -> Departures {
         Departures { times: vec![None; people], places: vec![None; people], known: false, unseen: true }

@@ -20,6 +20,15 @@ impl MovingMeans {
         MovingMeans { points: VecDeque::new(), longest }
     }
 
+    /// Returns whether they can be of so many people, with this longest span \[s\].
+    pub fn fits(&self, people: usize, longest: f64) -> bool {
+        let finite = |(time, sums): &(f64, Vec<f64>)| {
+            time.is_finite() && sums.len() == people && sums.iter().all(|sum| sum.is_finite())
+        };
+        let rising = self.points.iter().zip(self.points.iter().skip(1)).all(|(a, b)| a.0 < b.0);
+        self.longest == longest && self.points.iter().all(finite) && rising
+    }
+
     /// Adds the next communication point \[s\], with the mean squeeze \[N\] of each person over the step that ends there;
     /// `None` of those who are not there. Returns their means \[N\] over the longest span, which ends at this point; `None`
     /// as long as the first of these spans is not over.
