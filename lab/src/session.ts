@@ -120,7 +120,8 @@ async function open(wanted: Planned, number: number) {
         const placed = other || !film.value ? describe(value, wanted.base, seconds) : "";
         const words = [placed, sayNext].filter(Boolean).join(". ");
         // What was said meanwhile ("The link is copied.") stays.
-        if (words || said.value === before) said.value = words;
+        const meanwhile = said.value === before ? "" : said.value;
+        said.value = [meanwhile, words].filter(Boolean).join(" ");
         sayNext = "";
         selected.value = place < 0 ? null : place;
         film.value = next;
