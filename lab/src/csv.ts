@@ -102,12 +102,12 @@ export function leavings(film: Film, last: number): Leaving[] {
 }
 
 export function leavingCsv(film: Film): string {
-    const rows = leavings(film, film.told.value).map(({ agent, frame, exit }) => [film.scene.agents[agent]!.id, time(film, frame), exit]);
+    const rows = leavings(film, film.reached.value).map(({ agent, frame, exit }) => [film.scene.agents[agent]!.id, time(film, frame), exit]);
     return table([["id", "left [s]", "exit"], ...rows]);
 }
 
 /** How many have left by each exit, and people per second from the first to the last of them. */
-export function perExit(film: Film, last = film.told.value): { name: string; people: number; flow: number | null }[] {
+export function perExit(film: Film, last = film.reached.value): { name: string; people: number; flow: number | null }[] {
     const all = leavings(film, last);
     return film.scene.targets
         .filter(({ stay }) => !stay)

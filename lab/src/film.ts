@@ -40,8 +40,6 @@ export class Film {
     readonly #seen = signal(0);
     /** The last frame that was shown or asked for: tables and movies end there. What is computed ahead depends on the machine. */
     readonly reached = computed(() => Math.max(this.#seen.value, Math.min(this.wanted.value, this.computed.value - 1)));
-    /** The same, and to where all had left, if that is known: what tells when people leave ends there. */
-    readonly told = computed(() => Math.max(this.reached.value, this.emptied.value ?? 0));
     /** The frame up to which it plays, even if all have left before: a run beside it takes longer. */
     least = 0;
     /** The place that is to be shown. */

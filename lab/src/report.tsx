@@ -33,7 +33,7 @@ effect(() => {
 /** Asks for the report up to the last frame that was shown or asked for; the run is made again. */
 async function told(film: Film, client: Client, run: number): Promise<Told> {
     const { force, seconds } = plan.value.limit;
-    return (await client.ask<Told>({ ask: "report", run, until: film.told.peek() * film.scene.step, limit: [force, seconds] })).value;
+    return (await client.ask<Told>({ ask: "report", run, until: film.reached.peek() * film.scene.step, limit: [force, seconds] })).value;
 }
 
 export async function makeReport(now: Film) {
