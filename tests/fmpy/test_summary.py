@@ -20,7 +20,7 @@ from test_reference_variables import described, rows_of_2
 
 STEP = 1 / 16  # s: exact in all masters
 STEPS = 192
-ROOM = ["-n", "30", "--box", "8x5", "--leave", "--seed", "1", "--door", "8,2.5,1.2", "--panel-length", "2"]
+ROOM = ["-n", "30", "--box", "8x5", "--leave", "--seed", "1", "--door", "8,2.5,1.2", "--panel-length", "2", "--time-step", "0.0625"]
 AREA = "front=5,0,8,5"
 BOTH = pytest.mark.parametrize("fmi", ["2", "3"])
 
@@ -188,7 +188,7 @@ def test_a_state_has_the_tolerance_and_is_of_these_slots(pack, room, summary, in
 
 def test_a_door_that_is_shut_at_the_start(lemons, tmp_path, pack, instantiate):
     """The outside: `lemons run` with the same input. People lean on it from the start."""
-    options = ["-n", "12", "--box", "3x2", "--leave", "--seed", "1", "--door", "3,1,1.2,0,1e6", "--region", "2,0,3,2", "--allow-overlap"]
+    options = ["-n", "12", "--box", "3x2", "--leave", "--seed", "1", "--door", "3,1,1.2,0,1e6", "--region", "2,0,3,2", "--allow-overlap", "--time-step", "0.0625"]
     subprocess.run([lemons, "crowd", *options, "-o", "T"], check=True, capture_output=True, cwd=tmp_path)
     run_of = [lemons, "run", "T", "--set", "door[0].Open=false", "--until", "4", "--step", repr(STEP), "-o", "t.csv"]
     subprocess.run(run_of, check=True, capture_output=True, cwd=tmp_path)
@@ -262,3 +262,14 @@ def test_who_leaves_waits_for_the_exit(summary, tmp_path):
         crowd.step(STEP)
     assert crowd["exit1_flow"] > 0.3
     crowd.free()
+
+
+def test_the_example_of_the_page(lemons, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    page = (REPOSITORY / "docs/summary.md").read_text()
+    commands, script, printed = (re.search(rf"```{kind}\n(.*?)```", page, re.DOTALL)[1] for kind in ("sh", "python", "text"))
+    for command in commands.splitlines():
+        subprocess.run([lemons, *command.split()[1:]], check=True, capture_output=True)
+    capsys.readouterr()
+    exec(script, {})
+    assert capsys.readouterr().out == printed

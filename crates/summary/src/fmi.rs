@@ -16,6 +16,9 @@ use lemons_sim::Documents;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
+/// A communication step takes no more steps of the Trial.
+const MOST_STEPS: u64 = 100_000;
+
 /// The saved state, without the location of the resources.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SavedSummary {
@@ -135,6 +138,16 @@ impl Model for Summary {
     }
 
     fn advance(&mut self, step: Step) -> Result<(), StepError> {
+        let steps = self.steps_of(step.length);
+        if steps > MOST_STEPS {
+            let told = format!(
+                "a communication step of {:?} s takes {steps} steps of {:?} s (TimeStep), more than {MOST_STEPS}: nobody \
+                 could cancel it",
+                step.length,
+                self.simulation.trial().parameters.time_step
+            );
+            return Err(StepError::Refused(Refusal::new(told)));
+        }
         self.step_to(step.to).map_err(|error| StepError::Failed(error.into()))
     }
 

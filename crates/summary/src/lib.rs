@@ -88,14 +88,47 @@ impl Summary {
         self.simulation.begin(start, self.tolerance)?;
         let departures = Departures::of(self.simulation.ids().len());
         self.seen = Some(Seen { start, departures, squeezes: MovingMeans::over(LIMIT.1) });
-        self.see()
+        let means = self.follow();
+        let loads = self.loads().collect::<Vec<f64>>();
+        self.see(means.as_deref(), &loads)
     }
 
-    /// Steps to a time \[s\] under the present inputs.
+    /// Steps to a time \[s\] under the present inputs, in steps that are no longer than the Trial's `TimeStep`: where people
+    /// walk is decided in each.
     fn step_to(&mut self, time: f64) -> Result<(), SimError> {
         self.pass_inputs()?;
-        self.simulation.step_to(time)?;
-        self.see()
+        let (from, steps) = (self.simulation.time(), self.steps_of(time - self.simulation.time()));
+        let (mut means, mut loads) = (None, vec![0.0; self.slots.panels.len()]);
+        for k in 1..=steps {
+            let part = k as f64 / steps as f64;
+            self.simulation.step_to(if k == steps { time } else { from + (time - from) * part })?;
+            means = self.follow();
+            let now: Vec<f64> = self.loads().collect();
+            loads.iter_mut().zip(now).for_each(|(sum, load)| *sum += load);
+        }
+        loads.iter_mut().for_each(|load| *load /= steps as f64);
+        self.see(means.as_deref(), &loads)
+    }
+
+    /// Returns in how many steps a communication step \[s\] is made.
+    fn steps_of(&self, length: f64) -> u64 {
+        // A rounding error is no step.
+        (length / self.simulation.trial().parameters.time_step - 1e-6).ceil().max(1.0) as u64
+    }
+
+    /// \[N/m\] Returns the loads on the panels, means over the last step.
+    fn loads(&self) -> impl Iterator<Item = f64> {
+        let of = |panel: &usize| self.simulation.world().map_or(0.0, |world| world.panel_loads(*panel).0);
+        self.slots.panels.iter().map(of)
+    }
+
+    /// Follows who leaves and how everybody is squeezed. Returns the mean squeezes \[N\], once they are known.
+    fn follow(&mut self) -> Option<Vec<f64>> {
+        let frame = self.simulation.frame();
+        let Seen { departures, squeezes, .. } = self.seen.as_mut()?;
+        departures.add(&frame);
+        let of_step = |agent| squeeze(&frame, agent, None).map(|(mean, _)| mean);
+        squeezes.add(frame.time, (0..frame.agents.len()).map(of_step))
     }
 
     /// Passes the inputs on.
@@ -127,13 +160,10 @@ impl Summary {
         }
     }
 
-    /// Sees the present communication point: outputs follow.
-    fn see(&mut self) -> Result<(), SimError> {
+    /// Sees the present communication point, with the mean squeezes \[N\] and the loads \[N/m\]: outputs follow.
+    fn see(&mut self, means: Option<&[f64]>, loads: &[f64]) -> Result<(), SimError> {
         let (frame, heads) = (self.simulation.frame(), self.simulation.heads()?);
-        let Some(Seen { start, departures, squeezes }) = &mut self.seen else { return Ok(()) };
-        departures.add(&frame);
-        let of_step = |agent| squeeze(&frame, agent, None).map(|(mean, _)| mean);
-        let means = squeezes.add(frame.time, (0..frame.agents.len()).map(of_step));
+        let Some(Seen { start, departures, .. }) = &self.seen else { return Ok(()) };
         let targets = self.simulation.plan().map_or(&[][..], |plan| &plan.targets);
         // When and by which exit people have left.
         let gone: Vec<(f64, Option<usize>)> = departures
@@ -142,12 +172,8 @@ impl Summary {
             .zip(&frame.agents)
             .filter_map(|(time, motion)| Some(((*time)?, nearest_exit(targets, motion.pose.position))))
             .collect();
-        let squeezes: Vec<Squeezes> = self
-            .slots
-            .areas
-            .iter()
-            .map(|area| Squeezes::of(&frame, means.as_deref(), |at| area.contains(at)))
-            .collect();
+        let squeezes: Vec<Squeezes> =
+            self.slots.areas.iter().map(|area| Squeezes::of(&frame, means, |at| area.contains(at))).collect();
         let queues = |exit: usize| {
             let here = frame.present().filter(|(agent, motion)| {
                 heads[*agent] == Some(exit)
@@ -182,10 +208,7 @@ impl Summary {
                 What::AreaAbove => {
                     squeezed().iter().filter(|squeeze| **squeeze > self.slots.limit).count() as f64
                 }
-                What::BarrierLoad => {
-                    let world = self.simulation.world();
-                    world.map_or(0.0, |world| world.panel_loads(self.slots.panels[slot]).0)
-                }
+                What::BarrierLoad => loads[slot],
                 What::PeopleLeft => departures.left().map_or(0, |left| left.people) as f64,
                 What::PeopleInside => frame.present().count() as f64,
                 What::PeopleFallen => frame.legs.iter().flatten().filter(|legs| legs.fallen).count() as f64,

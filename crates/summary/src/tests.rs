@@ -16,6 +16,7 @@ fn documents(trial: Trial, config: &str) -> Documents {
 fn room() -> Documents {
     let mut trial = Trial::read(&lemons_testing::trial_door()).unwrap().0;
     trial.geometry.walls[0].panel_length = Some(100.0);
+    trial.parameters.time_step = STEP;
     documents(trial, LEAVING)
 }
 
@@ -34,6 +35,7 @@ fn front() -> SummaryConfig {
 fn people(places: &[[f64; 2]]) -> Trial {
     let mut trial = Trial::read(&lemons_testing::trial_door()).unwrap().0;
     trial.geometry.walls.clear();
+    trial.parameters.time_step = STEP;
     let (person, dynamics) = (trial.agents[0].clone(), trial.dynamics[0].clone());
     let id = |k: usize| k.to_string();
     trial.agents = (0..places.len()).map(|k| Agent { id: id(k), ..person.clone() }).collect();
@@ -256,6 +258,7 @@ fn exits_and_doors_that_are_shut_let_nobody_through() {
         ..lemons_core::trial::Wall::new("gate", material, ends)
     });
     trial.geometry.walls[0].panel_length = Some(100.0);
+    trial.parameters.time_step = STEP;
     shut_at("door1_open", documents(trial, LEAVING));
 }
 
@@ -321,4 +324,30 @@ fn what_is_not_there_is_not_described_and_has_no_value() {
     assert_eq!(names[names.len() - 2..], ["people_left", "people_inside"]);
     standing.advance(Step::of(0.0, STEP)).unwrap();
     assert_eq!(standing.value("people_inside"), 5.0);
+}
+
+/// The outside: the same with shorter communication steps.
+#[test]
+fn a_long_step_is_made_of_steps_of_the_trial() {
+    let [mut short, mut long] = [(); 2].map(|()| Summary::new(room(), &front()).unwrap());
+    short.begin(0.0).unwrap();
+    long.begin(0.0).unwrap();
+    let names = ["barrier1_load", "barrier2_load"];
+    let mut pressed = 0.0;
+    for k in 1..=24 {
+        let mut means = [0.0; 2];
+        for part in 1..=4 {
+            short.step_to((4 * (k - 1) + part) as f64 * STEP).unwrap();
+            means.iter_mut().zip(names).for_each(|(mean, name)| *mean += short.value(name) / 4.0);
+        }
+        long.step_to(k as f64 * 4.0 * STEP).unwrap();
+        for (row, (of_short, of_long)) in QUANTITIES.iter().zip(short.values.iter().zip(&long.values)) {
+            let load = names.iter().position(|name| *name == row.name);
+            let wanted = load.map_or(*of_short, |place| means[place]);
+            assert!((wanted - of_long).abs() <= 1e-12 * wanted.abs(), "{}", row.name);
+        }
+        pressed += means[0] + means[1];
+        assert_eq!(short.simulation.save(), long.simulation.save());
+    }
+    assert!(pressed > 0.0 && short.value("exit1_left") > 0.0);
 }
