@@ -273,3 +273,7 @@ def test_the_example_of_the_page(lemons, tmp_path, monkeypatch, capsys):
     capsys.readouterr()
     exec(script, {})
     assert capsys.readouterr().out == printed
+    least, most = map(float, re.search(r"all leave the hall above after (\d+) to (\d+) s", page).groups())
+    for step in (0.05, 0.5):
+        result = simulate_fmu("summary.fmu", stop_time=30.0, output_interval=step, output=["people_inside"])
+        assert least <= result["time"][result["people_inside"] == 0][0] <= most
