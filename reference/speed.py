@@ -28,7 +28,7 @@ from fmpy.fmi2 import FMU2Slave
 HERE = Path(__file__).resolve().parent
 FRAMES, RIGHT = 60, 1e-3
 #: [s] by material: steps that are tried, the exact one last.
-STEPS = {"human_soft": [4e-3, 3e-3, 2e-3, 1e-3, 5e-4, 2e-5], "human_naked": [1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 1e-6]}
+STEPS = {"human_soft": [1 / 300, 1 / 360, 1 / 420, 1 / 480, 1e-3, 5e-4, 2e-5], "human_naked": [1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 1e-6]}
 
 
 class Lemons:
@@ -109,7 +109,7 @@ def longest(trial):
 
 def real_time(trial, threads, rounds, hard):
     """Says how many times real time a crowd is: ours with the step that is right for a thousand people, hard bodies with one thread."""
-    engines = [Lemons(trial, 2e-3, count) for count in sorted({1, threads})] + hard
+    engines = [Lemons(trial, 1 / 420, count) for count in sorted({1, threads})] + hard
     found = [[] for _ in engines]
     for _ in range(rounds):
         for engine, costs in zip(engines, found):

@@ -83,7 +83,9 @@ pub(super) struct Blocks {
     pub flown: Vec<Flown>,
     /// \[m\] For each body the margin of its near pairs; not a number for those that do not move by mechanical steps.
     pub margins: Vec<f64>,
-    /// Where bodies were listed.
+    /// Where bodies were when their near pairs were listed, one for each.
+    pub near_at: Vec<Pose>,
+    /// Where bodies were when their candidates were listed.
     listed: Vec<Listed>,
     /// Scratch space: all disks, larger by a skin or a margin.
     enlarged: Vec<Circle>,
@@ -131,6 +133,7 @@ impl Blocks {
             kinematics: vec![BodyKinematics::default(); bodies],
             flown: vec![Flown::default(); bodies],
             margins: vec![0.0; bodies],
+            near_at: vec![Pose::default(); bodies],
             listed: vec![Listed::nowhere(); bodies],
             enlarged: vec![Circle { centre: Vec2::zeros(), radius: 0.0 }; scene.disks.len()],
             by_walls: vec![0.0; bodies],

@@ -11,6 +11,12 @@ pub(super) struct Circle {
 }
 
 impl Circle {
+    /// Returns the circle around a point that holds some others.
+    pub fn around(centre: Vec2, circles: &[Circle]) -> Circle {
+        let reach = |circle: &Circle| (circle.centre - centre).norm() + circle.radius;
+        Circle { centre, radius: circles.iter().map(reach).fold(0.0, f64::max) }
+    }
+
     /// Whether the distance of two circles is less than a margin \[m\].
     pub fn nears(&self, other: &Circle, margin: f64) -> bool {
         let reach = self.radius + other.radius + margin;

@@ -171,6 +171,9 @@ impl<D: Course> CommunicationStep<'_, D> {
                 // A pose that is not a number is ignored here: the communication step then ends with an error.
                 let woken = self.wakes(step, moved);
                 if self.leeway <= 0.0 {
+                    self.leeway = self.left_of_margins();
+                }
+                if self.leeway <= 0.0 {
                     self.renew_lists(step, steps)?;
                 } else if !woken.is_empty() {
                     self.list_woken(&woken)?;
@@ -263,8 +266,23 @@ impl<D: Course> CommunicationStep<'_, D> {
     fn renew_lists(&mut self, step: u64, steps: u64) -> Result<(), Crowded> {
         self.choose_margins((steps - step) as f64);
         self.list(Renewed::All)?;
+        let Blocks { kinematics, near_at, .. } = &mut *self.blocks;
+        near_at.clear();
+        near_at.extend(kinematics.iter().map(|body| body.pose()));
         self.leeway = 1.0;
         Ok(())
+    }
+
+    /// Returns the part of its margin that every body has not moved by since the near pairs were listed. It is more than what
+    /// is left of a sum over steps, each of the body that moved by the largest part.
+    fn left_of_margins(&self) -> f64 {
+        let Blocks { kinematics, near_at, .. } = &*self.blocks;
+        let moved = |mover: &Mover<D>| {
+            let (then, now) = (&near_at[mover.body.index()], &kinematics[mover.body.index()].pose());
+            let squared = (now.position - then.position).norm_squared() * mover.per_squared_margin;
+            squared.sqrt() + (now.orientation - then.orientation).abs() * mover.reach_per_margin
+        };
+        1.0 - all(&self.movers).map(moved).fold(0.0, f64::max)
     }
 
     /// Adds the pairs of bodies that have become active to valid lists.
@@ -274,6 +292,7 @@ impl<D: Course> CommunicationStep<'_, D> {
             let mover = list.iter_mut().find(|mover| mover.body.index() == b);
             let mover = mover.expect("it has just become active");
             self.blocks.margins[b] = mover.choose_margin(&self.blocks.kinematics[b].twist, &self.expected);
+            self.blocks.near_at[b] = self.blocks.kinematics[b].pose();
         }
         self.list(Renewed::Joined)
     }
@@ -370,7 +389,7 @@ impl<D: Course> CommunicationStep<'_, D> {
         let disks: Vec<Circle> = disks_of(self.scene, active, now).collect();
         let mut kept = before;
         for k in before..found.len() {
-            if self.shortlist.nears(self.scene, &disks, found[k], AWAKE) {
+            if self.shortlist.nears(self.scene, &disks, &circle, found[k], AWAKE) {
                 found[kept] = found[k];
                 kept += 1;
             }

@@ -51,43 +51,45 @@ pub(super) struct Shortlist {
 }
 
 impl Shortlist {
-    /// Decides which bodies are free over a duration \[s\].
+    /// Decides which bodies are free over a duration \[s\], among those that may be: `activity` says who is known not to be,
+    /// such as those who touch something.
     pub fn decide<D: Course>(
         scene: &Scene,
         state: &State,
-        present: &[bool],
+        mut activity: Vec<Activity>,
         drives: &[D],
         duration: f64,
-        shortlisting: Shortlisting,
         threads: &Threads,
     ) -> Shortlist {
+        if !activity.contains(&Activity::Free) {
+            return Shortlist { activity, ..Shortlist::default() };
+        }
         let mut shortlist = Shortlist::swept(scene, state, drives, duration);
-        let Shortlist { activity, swept, .. } = &mut shortlist;
-        let largest = scene.bodies.iter().map(|body| body.bounding_radius).fold(0.0, f64::max);
-        let bodies = swept.iter().zip(&scene.bodies).zip(present).zip(drives);
-        activity.extend(bodies.map(|(((circle, body), present), drive)| {
-            // A body whose path is not a number is not free. If the floor resists more across the gaze, there is no closed
-            // form for one that turns.
-            let short = circle.radius - body.bounding_radius <= LONGEST_HALF_PATH * largest
+        let (swept, largest) = (&shortlist.swept, scene.bodies.iter().map(|body| body.bounding_radius));
+        let longest = LONGEST_HALF_PATH * largest.fold(0.0, f64::max);
+        // A body whose path is not a number is not free. If the floor resists more across the gaze, there is no closed form
+        // for one that turns.
+        let is_short = |b: usize| {
+            let (body, circle) = (&scene.bodies[b], &swept[b]);
+            let is_short = circle.radius - body.bounding_radius <= longest;
+            is_short
+                && activity[b] != Activity::Absent
                 && body.across_rate.is_none()
-                && drive.is_even(circle);
-            match (present, shortlisting) {
-                (false, _) => Activity::Absent,
-                (true, Shortlisting::On) if short => Activity::Free,
-                (true, _) => Activity::Active,
-            }
-        }));
-        let is_short: Vec<bool> = activity.iter().map(|activity| *activity == Activity::Free).collect();
-        let grid = CellGrid::new(swept, (0..swept.len()).filter(|&b| is_short[b]), CLEAR);
-        let mut activity = std::mem::take(activity);
+                && drives[b].is_even(circle)
+        };
+        let short: Vec<bool> = (0..swept.len()).map(is_short).collect();
+        let grid = CellGrid::new(swept, (0..swept.len()).filter(|&b| short[b]), CLEAR);
         threads.each(activity.chunks_mut(BLOCK).enumerate(), |(k, activity)| {
             let (mut near, mut found) = (Vec::new(), Vec::new());
-            for (b, activity) in (k * BLOCK..).zip(activity).filter(|(b, _)| is_short[*b]) {
+            let may_be_free = |(_, activity): &(usize, &mut Activity)| **activity == Activity::Free;
+            for (b, activity) in (k * BLOCK..).zip(activity).filter(may_be_free) {
                 near.clear();
                 grid.for_each_near(&shortlist.swept[b], CLEAR, |other| near.push(other));
                 let disks = &shortlist.swept_disks[scene.bodies[b].disks.clone()];
-                let meets = |other: &usize| *other != b && shortlist.nears(scene, disks, *other, CLEAR);
-                if near.iter().any(meets) || shortlist.nears_a_face(scene, b, &mut found) {
+                let around = Circle::around(shortlist.swept[b].centre, disks);
+                let meets =
+                    |other: &usize| *other != b && shortlist.nears(scene, disks, &around, *other, CLEAR);
+                if !short[b] || near.iter().any(meets) || shortlist.nears_a_face(scene, b, &mut found) {
                     *activity = Activity::Active;
                 }
             }
@@ -133,15 +135,17 @@ impl Shortlist {
         Shortlist { activity: Vec::new(), swept, swept_disks }
     }
 
-    /// Returns whether one of some disks is nearer than a margin \[m\] to what a body sweeps while it is free.
-    pub fn nears(&self, scene: &Scene, disks: &[Circle], body: usize, margin: f64) -> bool {
-        let swept = &self.swept_disks[scene.bodies[body].disks.clone()];
+    /// Returns whether one of some disks, all of them in the circle `around`, is nearer than a margin \[m\] to what a body sweeps
+    /// while it is free.
+    pub fn nears(&self, scene: &Scene, disks: &[Circle], around: &Circle, body: usize, margin: f64) -> bool {
         // Negated, so that what is not a number is near.
         let clear = |disk: &Circle, swept: &Circle| {
             let reach = disk.radius + swept.radius + margin;
             (disk.centre - swept.centre).norm_squared() > reach * reach
         };
-        !disks.iter().all(|disk| swept.iter().all(|swept| clear(disk, swept)))
+        let swept = self.swept_disks[scene.bodies[body].disks.clone()].iter();
+        let mut beside = swept.filter(|swept| !clear(around, swept));
+        !beside.all(|swept| disks.iter().all(|disk| clear(disk, swept)))
     }
 
     /// Returns whether what a body sweeps while it is free may touch a face.
@@ -181,16 +185,9 @@ mod tests {
     fn outside<D: Course>(scene: &Scene, velocity: Vec2, drive: D, duration: f64) -> f64 {
         let (pose, twist) = (Pose::default(), Twist { velocity, angular_velocity: 0.0 });
         let state = State::new(vec![pose], vec![twist]);
-        let circle = Shortlist::decide(
-            scene,
-            &state,
-            &[true],
-            &[drive],
-            duration,
-            Shortlisting::On,
-            &Threads::default(),
-        )
-        .swept[0];
+        let circle =
+            Shortlist::decide(scene, &state, vec![Activity::Free], &[drive], duration, &Threads::default())
+                .swept[0];
         let body = &scene.bodies[0];
         (0..=200)
             .map(|k| {

@@ -11,7 +11,7 @@ use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
 use super::slope::OnSlopes;
 use super::{
-    Body, BodyId, ChestExposure, Compression, DiskId, Exposure, Exposures, FaceExposure, InPlane, Pose,
+    Body, BodyId, ChestExposure, Compression, DiskId, Exposure, Exposures, FaceExposure, InPlane, Pair, Pose,
     Scene, Shortlisting, State, Threads, ThreadsError, Twist, Vec2, WallId, Work, Wrench, rotation,
 };
 use lemons_core::plane::{self, Motion, body_meets};
@@ -27,6 +27,10 @@ const MOST_STEPS: u64 = 4_000_000_000;
 
 /// See [`World::share_from`]. A step with this amount of work takes about 20 µs; sharing it costs a fraction of that.
 const SHARE_FROM: usize = 1800;
+
+/// Number of mechanical steps of each body that is there, from which on it is decided who is free: see [`World::activity`].
+/// To decide costs as much as 10 to 20 steps of a body without contacts; some that touch nothing are not free.
+const SHORTLIST_FROM: u64 = 8;
 
 /// Largest number of threads that are started, however many are requested.
 pub const MOST_THREADS: usize = 64;
@@ -499,23 +503,41 @@ impl World {
         Ok(())
     }
 
+    /// What is known of each body before it is decided who is free in a communication step of so many mechanical steps: who
+    /// touches somebody or a wall is not, and nobody is if the mechanical steps of all others cost less than to decide.
+    fn activity(&self, steps: u64) -> Vec<Activity> {
+        let of = |present: &bool| if *present { Activity::Free } else { Activity::Absent };
+        let mut activity: Vec<Activity> = self.present.iter().map(of).collect();
+        for contact in &self.contacts.contacts {
+            let disks = match contact.pair {
+                Pair::Disks { first, second } => [first, second],
+                Pair::Face { disk, .. } => [disk; 2],
+            };
+            let bodies = disks.map(|disk| self.scene.body_of(disk).index());
+            // The contacts are those of the step before.
+            if bodies.iter().all(|b| self.present[*b]) {
+                bodies.iter().for_each(|b| activity[*b] = Activity::Active);
+            }
+        }
+        let count = |of: Activity| activity.iter().filter(|activity| **activity == of).count() as u64;
+        let (free, active) = (count(Activity::Free), count(Activity::Active));
+        if self.shortlisting == Shortlisting::Off
+            || free.saturating_mul(steps) < SHORTLIST_FROM * (free + active)
+        {
+            let there = activity.iter_mut().filter(|activity| **activity == Activity::Free);
+            there.for_each(|activity| *activity = Activity::Active);
+        }
+        activity
+    }
+
     /// Computes the state after a communication step under drives of one kind.
     fn moved<D: Course>(&mut self, drives: &[D], duration: f64, steps: u64) -> Result<State, Crowded> {
         let alone = Threads::default();
         let there = self.present.iter().filter(|there| **there).count();
         let threads =
             if there + 2 * self.contacts.contacts.len() >= self.share_from { &self.threads } else { &alone };
-        let decide = || {
-            Shortlist::decide(
-                &self.scene,
-                &self.state,
-                &self.present,
-                drives,
-                duration,
-                self.shortlisting,
-                threads,
-            )
-        };
+        let (scene, activity) = (&self.scene, self.activity(steps));
+        let decide = || Shortlist::decide(scene, &self.state, activity, drives, duration, threads);
         let shortlist = threads.enter(decide);
         let active = shortlist.activity.iter().filter(|activity| **activity == Activity::Active).count();
         let work = active + 2 * self.contacts.contacts.len();

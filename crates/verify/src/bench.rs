@@ -10,7 +10,7 @@ pub mod fmu;
 
 use anyhow::{Result, ensure};
 use cpu_time::ThreadTime;
-use crowd_mechanics::engine::{Shortlisting, World, Wrench};
+use crowd_mechanics::engine::{PairLaw, Shortlisting, World, Wrench};
 use crowd_mechanics::scenes::bare::BareCrowd;
 use crowd_mechanics::scenes::{BODIES, MASS, PlacedBody, RATE, Random, in_a_box, pedestrian, world};
 use lemons_core::plane::{Vec2, vec2};
@@ -71,12 +71,18 @@ pub fn cases() -> Vec<Case> {
 fn crowd(agents: usize, spacing: Vec2, turned: f64, push: f64) -> World {
     let mut numbers = Random(30);
     let (people, around) = in_a_box(agents, spacing, turned, &mut numbers);
-    pushing(&people, &around, push, &mut numbers)
+    pushing(BODIES, &people, &around, push, &mut numbers)
 }
 
 /// People in a room, of whom each pushes with at most so much \[N\] along x and y.
-fn pushing(people: &[PlacedBody], around: &[(f64, f64)], push: f64, numbers: &mut Random) -> World {
-    let mut world = world(people, &[around], BODIES, MECHANICAL_STEP);
+fn pushing(
+    law: PairLaw,
+    people: &[PlacedBody],
+    around: &[(f64, f64)],
+    push: f64,
+    numbers: &mut Random,
+) -> World {
+    let mut world = world(people, &[around], law, MECHANICAL_STEP);
     for drive in &mut world.drive {
         *drive = Wrench {
             force: vec2(push * numbers.signed(), push * numbers.signed()),
@@ -102,6 +108,27 @@ const DENSE: Vec2 = vec2(0.32, 0.521);
 /// Makes a crowd of six people per square metre who push in all directions.
 fn dense(agents: usize) -> Result<World> {
     settled(crowd(agents, DENSE, 0.5, 800.0), 0.5)
+}
+
+/// \[s\] A seventh of a frame: the longest step that keeps everybody in [`soft`] right to 1 mm (`reference/speed.py`).
+const SOFT_STEP: f64 = 1.0 / 420.0;
+
+/// Makes the same crowd with the stiffness of the material `human_soft`.
+fn soft(agents: usize) -> Result<World> {
+    let mut numbers = Random(30);
+    let (people, around) = in_a_box(agents, DENSE, 0.5, &mut numbers);
+    let share = 29e3 / 4e6;
+    let law = PairLaw {
+        normal_stiffness: share * BODIES.normal_stiffness,
+        tangential_stiffness: share * BODIES.tangential_stiffness,
+        normal_damping: 600.0,
+        tangential_damping: 600.0,
+        friction: 0.4,
+    };
+    let mut world = pushing(law, &people, &around, 350.0, &mut numbers);
+    world.mechanical_step = SOFT_STEP;
+    (0..30).try_for_each(|_| world.advance(7.0 * SOFT_STEP))?;
+    Ok(world)
 }
 
 /// Makes a crowd of one person per 2 m² who walk at about 1 m/s in all directions; some have met.

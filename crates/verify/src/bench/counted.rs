@@ -1,11 +1,11 @@
 //! Runs whose instructions are counted (`benches/instructions.sh`): what everybody pays for a mechanical step, and for the
 //! decisions between steps.
 
-use crate::bench::{BARE_MARGIN, BARE_STEPS, DENSE, dense, pressed, push, pushing, settled};
+use crate::bench::{BARE_MARGIN, BARE_STEPS, DENSE, dense, pressed, push, pushing, settled, soft};
 use anyhow::{Context, Result, ensure};
 use crowd_mechanics::engine::World;
 use crowd_mechanics::scenes::bare::BareCrowd;
-use crowd_mechanics::scenes::{Random, in_a_box};
+use crowd_mechanics::scenes::{BODIES, Random, in_a_box};
 use lemons_core::plane::vec2;
 use lemons_core::trial::{DriveChoice, OpeningTimes, Wall};
 use lemons_decision::{DecisionConfig, Plan};
@@ -47,6 +47,7 @@ pub fn rows() -> Vec<CountedRow> {
         row("dense_1000_bare", 1000, BARE_STEPS, || bare(dense(1000)?)),
         row("pressed_1000", 1000, 200, || Ok(stepping(pressed(1000)?, 200))),
         row("pressed_1000_bare", 1000, BARE_STEPS, || bare(pressed(1000)?)),
+        row("soft_1000", 1000, 7, || Ok(stepping(soft(1000)?, 7))),
         row("wheels_1000", 1000, 200, || Ok(stepping(settled(on_wheels(), 0.5)?, 200))),
         row("walkers", 30, DOOR_STEPS, || walking("", false)),
         row("legs", 30, DOOR_STEPS, || walking("balance = \"pendulum\"\n", false)),
@@ -79,7 +80,7 @@ fn on_wheels() -> World {
     let mut numbers = Random(30);
     let (mut people, around) = in_a_box(1000, DENSE, 0.5, &mut numbers);
     people.iter_mut().step_by(10).for_each(|person| person.body.across_rate = Some(45.0));
-    pushing(&people, &around, 800.0, &mut numbers)
+    pushing(BODIES, &people, &around, 800.0, &mut numbers)
 }
 
 /// Thirty people who walk to a door (`resources/Trial_door`), from the moment at which they press. A door may close there.
