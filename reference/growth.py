@@ -3,7 +3,7 @@
     python reference/growth.py [--people 1000 10000 100000 1000000] [--draw docs/reference_growth.svg]
 
 The crowd is that of speed.py: people of five disks of `human_soft`, six per m2, each of whom pushes with up to 500 N in a direction of its own, in
-steps of 2 ms. `lemons crowd` makes a thousand in a box; a larger crowd is this box again and again, in one room, so it has the same gaps. Each size
+steps of a seventh of a frame. `lemons crowd` makes a thousand in a box; a larger crowd is this box again and again, in one room, so it has the same gaps. Each size
 is a process of its own, `lemons run`. What it needs before its first row is reading; the rest is the steps, and the writing of two rows. Memory is
 its peak (VmHWM). All sizes have 13 frames of 1/60 s, since later ones have more contacts. Then each crowd is packed as an FMU. A million people need
 18 GB of memory.
@@ -23,7 +23,7 @@ from pathlib import Path
 
 from speed import crowd
 
-TILE, STEP, FRAME = 1000, 2e-3, 1 / 60  # [s] a frame is nine steps
+TILE, STEP, FRAME = 1000, 1 / 420, 1 / 60  # [s]
 
 
 def tiled(one, many, copies):
@@ -72,7 +72,7 @@ def measure(trial, people, frames, rounds):
         reading, total, peak, failed = process(*command, "--until", repr(frames * FRAME))
         if failed or not reading:
             raise SystemExit(f"{people} people: {failed or 'no output'}")
-        rows.append([1e6 * reading / people, 1e6 * (total - reading) / frames / 9 / people, peak / people])
+        rows.append([1e6 * reading / people, 1e6 * (total - reading) / (frames * FRAME / STEP) / people, peak / people])
     return [statistics.median(column) for column in zip(*rows)]
 
 
