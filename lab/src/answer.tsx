@@ -4,7 +4,7 @@ import { perExit } from "./csv";
 import { EXAMPLES } from "./examples";
 import type { Film } from "./film";
 import { SQUEEZE } from "./frames";
-import { t } from "./language";
+import { about, fixed, t } from "./language";
 import { calmly } from "./layout";
 import { worst } from "./limit";
 import { brief, Button, named } from "./parts";
@@ -14,7 +14,7 @@ import { selected } from "./session";
 import { UntilLeft } from "./transport";
 
 /** The example on the stage, as long as it has its name, or that of a copy. */
-export const example = () => EXAMPLES.find(({ name }) => [name, t("{name} (copy)", { name })].includes(scene.value.name));
+export const example = () => EXAMPLES.find(({ name }) => [name, t("{name} (copy)", { name: t(name) })].includes(scene.value.name));
 
 /** What is asked of the scene on the stage. */
 export function askedOf({ scene: { leaving } }: Film) {
@@ -24,13 +24,13 @@ export function askedOf({ scene: { leaving } }: Film) {
 /** How many have left in a frame, or when all had. */
 export function leftWords({ frames, emptied, scene: { leaving, step } }: Film, k: number): string {
     const end = emptied.value;
-    return end !== null && k >= end ? t("All {n} have left after {time} s.", { n: leaving, time: (end * step).toFixed(2) }) : t("{left} of {n} have left.", { left: frames.curve("left")[k]!, n: leaving });
+    return end !== null && k >= end ? t("All {n} have left after {time} s.", { n: leaving, time: fixed(end * step, 2) }) : t("{left} of {n} have left.", { left: frames.curve("left")[k]!, n: leaving });
 }
 
 /** The greatest squeeze of long duration, and whose; empty if there is none yet. */
 export function worstWords(film: Film): string {
     const found = worst(film);
-    return found ? t("{squeeze} N ({id}, at {at} s)", { squeeze: Math.round(found.squeeze), id: brief(film.scene.agents[found.who]!.id), at: found.at.toFixed(2) }) : "";
+    return found ? t("{squeeze} N ({id}, at {at} s)", { squeeze: Math.round(found.squeeze), id: brief(film.scene.agents[found.who]!.id), at: fixed(found.at, 2) }) : "";
 }
 
 /** The frame of the second of a mean in which who has it is pressed most: at its end nothing may be seen any more. */
@@ -55,19 +55,19 @@ function known(film: Film): Known | string {
     if (asked === "squeeze") {
         const found = worst(film);
         const name = t("Greatest squeeze, mean of 1 s");
-        if (!found) return `${name}: –`;
-        return { words: `${name}: ${worstWords(film)}`, frame: hardest(film, found), who: found.who };
+        if (!found) return about(name, "–");
+        return { words: about(name, worstWords(film)), frame: hardest(film, found), who: found.who };
     }
     const [emptied, computed] = [film.emptied.value, calmly(film, film.computed) - 1];
     const k = emptied ?? calmly(film, film.shown);
     const wordsAt = (k: number) => {
-        const exits = asked === "exits" ? perExit(film, k).map(({ name, people }) => `${named(name)}: ${people}`) : [];
+        const exits = asked === "exits" ? perExit(film, k).map(({ name, people }) => about(named(name), people)) : [];
         return [leftWords(film, k), exits.join(", ")].filter(Boolean).join(" ");
     };
     const words = wordsAt(k);
     if (emptied !== null) return { words, frame: emptied };
     const gaveUp = film.bound.value !== null && computed === film.wanted.value;
-    const ends = t("Not all have left after {time} s: it ends there.", { time: (computed * step).toFixed(2) });
+    const ends = t("Not all have left after {time} s: it ends there.", { time: fixed(computed * step, 2) });
     return gaveUp ? { words: `${ends} ${wordsAt(computed)}`, frame: computed } : words;
 }
 

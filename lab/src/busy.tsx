@@ -1,7 +1,7 @@
 // What is computed for longer than half a second, and the button that ends it.
 
 import type { Slow } from "./client";
-import { t } from "./language";
+import { fixed, t } from "./language";
 import { Button } from "./parts";
 import type { Progress, Request } from "./protocol";
 import { client, stop } from "./session";
@@ -43,7 +43,7 @@ function words({ ask, progress }: Slow): string {
 }
 
 function details({ stage, iteration, density, overlap }: Progress): string {
-    return stage === AGAIN ? "" : t("round {iteration}: {density} people per m², overlaps up to {overlap} mm", { iteration, density: density.toFixed(2), overlap: (1000 * overlap).toFixed(1) });
+    return stage === AGAIN ? "" : t("round {iteration}: {density} people per m², overlaps up to {overlap} mm", { iteration, density: fixed(density, 2), overlap: fixed(1000 * overlap, 1) });
 }
 
 export function Busy() {

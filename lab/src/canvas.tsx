@@ -9,7 +9,7 @@ import { type Inks, inksOf, label, Painter, paintBar, paintPush, paintWays } fro
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
 import { kept } from "./kept";
-import { count, t } from "./language";
+import { about, count, fixed, t } from "./language";
 import { empty, hovered, type Layers, show } from "./layout";
 import { paintArea, paintLine } from "./line";
 import { fit, fits, fitted, look, view, zoom } from "./look";
@@ -150,7 +150,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
 export function valueAt(at: Point): string {
     const [kind, places] = [mapKind.value, byPlace.value];
     const value = kind && places ? places.at(kind, at) : NaN;
-    return Number.isNaN(value) ? "" : `${t(NAMES[kind!])}: ${digits(value, 3)} ${places!.scale(kind!).unit}`;
+    return Number.isNaN(value) ? "" : `${about(t(NAMES[kind!]), digits(value, 3))} ${places!.scale(kind!).unit}`;
 }
 
 /** So many pixels above a place; where the picture ends there, so many below it. */
@@ -168,8 +168,8 @@ function told(film: Film, agent: number): string {
     const contacts = of(7);
     let touching = count(contacts, "{n} contact", "{n} contacts");
     const { colour } = plan.value;
-    if (colour !== "squeeze" && isForce(colourOf(film, colour))) touching += `, ${scaleOf(film, colour).label}: ${digits(values(film, k, colour)[agent]!, 3)} N`;
-    return `${brief(film.scene.agents[agent]!.id)}: ${Math.hypot(of(3), of(4)).toFixed(2)} m/s, ${digits(squeeze, 3)} N, ${touching}`;
+    if (colour !== "squeeze" && isForce(colourOf(film, colour))) touching += `, ${about(scaleOf(film, colour).label, digits(values(film, k, colour)[agent]!, 3))} N`;
+    return about(brief(film.scene.agents[agent]!.id), `${fixed(Math.hypot(of(3), of(4)), 2)} m/s, ${digits(squeeze, 3)} N, ${touching}`);
 }
 
 /** Opens the menu of a place. */

@@ -9,7 +9,7 @@ import { averaged, meanWords } from "./colour";
 import type { Film } from "./film";
 import { Flow } from "./flow";
 import { SQUEEZE } from "./frames";
-import { count, t } from "./language";
+import { count, local, t } from "./language";
 import { Choice, digits, named } from "./parts";
 import { change, type Plan, plan } from "./plan";
 import { grouped, groups, type Line, Plot } from "./plot";
@@ -68,7 +68,7 @@ export function Charts({ film }: { film: Film }) {
 
     const curves = (title: string, unit: string, decimals: number, given: [Line, (k: number) => number, "mean" | "greatest"][]) => {
         const rows = given.map(([, value, kind]) => grouped(value, ends, kind));
-        const fixed = (value: number) => (Number.isNaN(value) ? "–" : value < 1e9 ? value.toFixed(decimals) : digits(value, 3));
+        const fixed = (value: number) => (Number.isNaN(value) ? "–" : value < 1e9 ? local(value.toFixed(decimals)) : digits(value, 3));
         const now = given.map(([, value]) => fixed(value(shown)));
         const range = (row: (number | null)[]) => {
             const known = row.filter((value) => value !== null);

@@ -2,7 +2,7 @@
 
 import { ready } from "./drawn";
 import { Hand } from "./hand";
-import { nameOf, t } from "./language";
+import { fixed, nameOf, t } from "./language";
 import { Button, Check, Choice, digits, Head, NumberField } from "./parts";
 import { frictionOf, type KeptCrowd } from "./forms";
 import { isPlaced, place } from "./live";
@@ -113,7 +113,7 @@ function Placed({ made: { density, area, largest_overlap, statistics } }: { made
     return (
         <section class="panel" aria-label={t("As it was placed")}>
             <h2>{t("As it was placed")}</h2>
-            <p>{t("{density} people per m², on {area} m². Deepest overlap: {overlap} mm.", { density: density.toFixed(2), area: area.toFixed(2), overlap: digits(1000 * largest_overlap, 2) })}</p>
+            <p>{t("{density} people per m², on {area} m². Deepest overlap: {overlap} mm.", { density: fixed(density, 2), area: fixed(area, 2), overlap: digits(1000 * largest_overlap, 2) })}</p>
             <div class="wide" tabIndex={0} role="region" aria-label={t("Statistics")}>
                 <table class="statistics">
                     <Head of={[t("Measure"), t("Mean"), t("SD"), t("Least"), t("Most")]} />
@@ -139,7 +139,7 @@ function Kind({ kind, count, measures }: PlacedCrowd["statistics"][number]) {
             {measures.map(({ measure, unit, ...row }) => {
                 const inCm = unit === "m" && plan.value.unit === "cm";
                 const places = unit === "m" && !inCm ? 3 : 1;
-                const cell = (value: number | null) => (value === null ? "–" : (value * (inCm ? 100 : 1)).toFixed(places));
+                const cell = (value: number | null) => (value === null ? "–" : fixed(value * (inCm ? 100 : 1), places));
                 return (
                     <tr key={measure}>
                         <th scope="row">

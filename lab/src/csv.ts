@@ -5,7 +5,7 @@ import type { Film } from "./film";
 import { meanFlow } from "./flow";
 import { type Curve, SQUEEZE } from "./frames";
 import { save } from "./parts";
-import { scene } from "./plan";
+import { title } from "./plan";
 import { CHEST, COLUMNS, type Point } from "./protocol";
 import { away } from "./roomshape";
 import { VERSION } from "./version";
@@ -37,13 +37,13 @@ export function saveTable(called: string, content: BlobPart, settings: Record<st
 /** What a table of a run comes from: the scene as it is, and the time in s. */
 export function origin(film: Film, from: number, to: number): Record<string, unknown> {
     const { agents, step, mechanical_step, warnings } = film.scene;
-    return { scene: scene.peek().name, from_s: from, to_s: to, people: agents.length, communication_step_s: step, mechanical_step_s: mechanical_step, warnings: warnings.map(({ text }) => text), made: film.made };
+    return { scene: title.peek(), from_s: from, to_s: to, people: agents.length, communication_step_s: step, mechanical_step_s: mechanical_step, warnings: warnings.map(({ text }) => text), made: film.made };
 }
 
 /** A table of the run up to the last frame that was shown or asked for; its name says of which scene and time it is. */
 export function saveOfRun(film: Film, what: string, content: string, settings = {}): string {
     const to = time(film, film.reached.peek());
-    return saveTable(`${scene.peek().name}-${what}-0-${to}s.csv`, content, { ...origin(film, 0, to), ...settings });
+    return saveTable(`${title.peek()}-${what}-0-${to}s.csv`, content, { ...origin(film, 0, to), ...settings });
 }
 
 /** The curves of the charts, a row for each frame up to the last one that was shown or asked for. */

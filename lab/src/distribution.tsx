@@ -1,7 +1,7 @@
 // How often the values of a measure are in the survey.
 
 import { round } from "./colour";
-import { capital, nameOf, t } from "./language";
+import { about, capital, fixed, local, nameOf, t } from "./language";
 import type { MeasureShown, Sex } from "./protocol";
 
 const [WIDTH, HEIGHT, FOOT] = [320, 70, 18];
@@ -52,12 +52,12 @@ export function Distribution({ measure, by, unit, sex }: DistributionProps) {
     const most = Math.max(...bars.map(({ share }) => share));
     const x = (value: number) => (WIDTH * (value - low)) / (high - low);
     const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
-    const words = (value: number) => value.toFixed(decimals);
+    const words = (value: number) => fixed(value, decimals);
     const here = Math.max(0, Math.min(WIDTH, x(by * value)));
     const tick = round((high - low) / TICKS, [1, 2, 5]);
     const ticks: number[] = [];
     for (let k = Math.ceil(low / tick - 1e-9); k * tick <= high + 1e-9; k++) ticks.push(k * tick);
-    const median = (by * quantiles[Math.floor(quantiles.length / 2)]!).toFixed(1);
+    const median = fixed(by * quantiles[Math.floor(quantiles.length / 2)]!, 1);
     const men = sex === "male";
     const all = rank <= 0 ? (men ? t("less than all men") : t("less than all women")) : men ? t("more than all men") : t("more than all women");
     const share = rank > 0 && rank < 1 ? moreThan(percent(rank), sex) : all;
@@ -68,7 +68,7 @@ export function Distribution({ measure, by, unit, sex }: DistributionProps) {
                 <strong>
                     {capital(name)} [{unit}]
                 </strong>
-                : {share}
+                {about("", share)}
             </figcaption>
             <svg
                 viewBox={`-14 0 ${WIDTH + 28} ${HEIGHT + FOOT}`}
@@ -86,7 +86,7 @@ export function Distribution({ measure, by, unit, sex }: DistributionProps) {
                 <path d={`M0 ${HEIGHT}H${WIDTH}${ticks.map((at) => `M${x(at)} ${HEIGHT}v4`).join("")}`} class="axis" />
                 {ticks.map((at) => (
                     <text key={at} x={x(at)} y={HEIGHT + 15} text-anchor="middle">
-                        {Number(at.toPrecision(6))}
+                        {local(Number(at.toPrecision(6)))}
                     </text>
                 ))}
                 <path d={`M${here} 0V${HEIGHT}`} class="here" />
@@ -102,5 +102,5 @@ export function moreThan(share: string, sex: Sex) {
 
 function percent(share: number) {
     const value = 100 * share;
-    return `${value < 1 || value > 99 ? value.toFixed(1) : value.toFixed(0)} %`;
+    return `${value < 1 || value > 99 ? fixed(value, 1) : value.toFixed(0)} %`;
 }

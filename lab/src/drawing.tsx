@@ -5,7 +5,7 @@ import { useState } from "preact/hooks";
 import { Refused } from "./client";
 import { isVector, setPicture } from "./backdrop";
 import { crowdFits, MOST, roomFits } from "./forms";
-import { inWords, nameOf, t } from "./language";
+import { about, inWords, nameOf, t } from "./language";
 import { Button, Check, Choice, NumberField } from "./parts";
 import { FIRST_DECISION, shaped } from "./places";
 import { arrived, change, plan } from "./plan";
@@ -214,7 +214,7 @@ function Proposals({ wanted, found, proposal, again }: ProposalsProps) {
             {!taken && <p class="note">{t("The plan is in doubt: choose what its layers and gaps are.")}</p>}
             {proposal.layers.map(({ name, sort, lines }) => (
                 <label class="field" key={name}>
-                    <span title={`${nameOf(sort)}: ${lines}`}>
+                    <span title={about(nameOf(sort), lines)}>
                         {name || "—"} ({nameOf(sort)})
                     </span>
                     <select value={uses.get(name)} aria-label={t('Layer "{name}"', { name })} onChange={(event) => setUses(new Map(uses).set(name, event.currentTarget.value as Use))}>

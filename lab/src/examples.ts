@@ -145,3 +145,6 @@ export const EXAMPLES: Example[] = [
         ),
     },
 ];
+
+/** The name of a scene as it is shown: that of an example in the language of the page. */
+export const titled = (name: string): string => (EXAMPLES.some((one) => one.name === name) ? t(name as Plain) : name);

@@ -3,7 +3,7 @@
 import { batch, computed, signal } from "@preact/signals";
 import { type Client, Stopped } from "./client";
 import { Frames } from "./frames";
-import { t } from "./language";
+import { fixed, t } from "./language";
 import type { Made } from "./plan";
 import type { Advanced, Scene } from "./protocol";
 
@@ -160,7 +160,7 @@ export class Film {
         if (this.frames.count >= this.most) {
             if (this.shown.value >= there) {
                 this.playing.value = false;
-                this.failed.value = t("the run ends here, at {end} s: its frames fill {most} MB", { end: (there * this.scene.step).toFixed(2), most: MOST_BYTES / 1e6 });
+                this.failed.value = t("the run ends here, at {end} s: its frames fill {most} MB", { end: fixed(there * this.scene.step, 2), most: MOST_BYTES / 1e6 });
             }
             return;
         }

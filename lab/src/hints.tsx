@@ -1,7 +1,7 @@
 // What is odd about a scene, told at once: nobody moves, or people are to walk through walls.
 
 import type { Film } from "./film";
-import { t } from "./language";
+import { about, t } from "./language";
 import { plan } from "./plan";
 
 /** Whether nobody of a crowd of this page can move. (What an opened Trial drives people with, only the engine knows.) */
@@ -17,7 +17,7 @@ export function Hints({ film }: { film: Film }) {
         <>
             {isMotionless(film) && <p class="note">{t("Nobody moves here: the tab Motion says what moves them.")}</p>}
             {ways.length > 0 && (
-                <p class="warning">{`${ways.length === 1 ? t("Way goes through a wall") : t("Ways go through a wall")}: ${ways.join(", ")}. ${t("The cross shows where: people walk straight from point to point.")}`}</p>
+                <p class="warning">{`${about(ways.length === 1 ? t("Way goes through a wall") : t("Ways go through a wall"), ways.join(", "))}. ${t("The cross shows where: people walk straight from point to point.")}`}</p>
             )}
         </>
     );

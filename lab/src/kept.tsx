@@ -10,14 +10,14 @@ import { inksOf, Painter, paintBar } from "./draw";
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
 import { frictionOf } from "./forms";
-import { count, t } from "./language";
+import { count, fixed, local, t } from "./language";
 import { calmly, canvas } from "./layout";
 import { fitted, look, view as shown } from "./look";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
 import { openWords } from "./opentimes";
 import { Button, digits, named } from "./parts";
-import { type Made, plan, scene } from "./plan";
+import { type Made, plan, title } from "./plan";
 import type { Opened } from "./protocol";
 import { heightOf, sceneAt } from "./sections";
 import { film, sent } from "./session";
@@ -36,7 +36,7 @@ effect(() => {
 
 /** What a scene was made of, in a few words each. */
 function factsOf({ base: crowd, motion, mechanics, edits }: Made): string[] {
-    const parts = [`"${scene.value.name}"`];
+    const parts = [`"${title.value}"`];
     if (crowd.kind === "crowd") {
         parts.push(crowd.number === null ? t("{density} people per m²", { density: crowd.density! }) : count(crowd.number, "{n} person", "{n} people"));
         for (const { width, open } of crowd.room.doors) parts.push([t("door {width} m", { width: Number(width.toFixed(3)) }), openWords(open)].filter(Boolean).join(", "));
@@ -49,12 +49,12 @@ function factsOf({ base: crowd, motion, mechanics, edits }: Made): string[] {
     if (mechanics?.time_step_mechanical) parts.push(t("steps of {step} s", { step: mechanics.time_step_mechanical }));
     if (motion.kind === "go") {
         const { desired_speed, model, groups, start, exits } = motion.decision;
-        parts.push(`${desired_speed} m/s`, model);
+        parts.push(`${local(desired_speed)} m/s`, model);
         if (groups) parts.push(t("{share} % in groups", { share: Number((100 * groups.share).toFixed(1)) }));
         if (start) parts.push(t("starts from {min} to {max} s", { min: start.min, max: start.max }));
         for (const { name, open } of exits) if (open) parts.push(t("exit {name}: {times}", { name: named(name), times: openWords(open) }));
     }
-    if (motion.kind === "walk" && motion.shares) parts.push(t("Shares of the ways: {shares}", { shares: motion.shares.join(", ") }));
+    if (motion.kind === "walk" && motion.shares) parts.push(t("Shares of the ways: {shares}", { shares: motion.shares.map(local).join("; ") }));
     const walking = walkingSeed(motion);
     const drawn = [crowd.kind === "crowd" && t("seed {seed}", { seed: crowd.seed }), walking !== null && t("walking has the seed {seed}", { seed: walking })];
     parts.push(...drawn.filter((words) => words !== false));
@@ -197,7 +197,7 @@ export function Now({ film: run, of }: { film: Film; of: Film }) {
     const squeezes = run.frames.greatestMean(averaged(run)).subarray(0, k + 1);
     const most = digits(squeezes.reduce((one, other) => Math.max(one, other), 0), 3);
     const words = [
-        wanted > run.frames.count - 1 && t("(only computed up to {end} s)", { end: ((run.frames.count - 1) * step).toFixed(1) }),
+        wanted > run.frames.count - 1 && t("(only computed up to {end} s)", { end: fixed((run.frames.count - 1) * step, 1) }),
         leaving > 0 && leftWords(run, k),
         over ? t("Greatest squeeze so far: {most} N", { most }) : t("Greatest squeeze: {now} N, so far {most} N", { now: digits(squeezes[k]!, 3), most }),
     ];

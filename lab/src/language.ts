@@ -45,10 +45,15 @@ const [words, engine] = await CATALOGS[language]().catch((error: Error) => {
     return [];
 });
 
+/** A number, or some in a text, with the decimal comma where the language has one. */
+export const local = (number: number | string) => (language === "en" ? String(number) : String(number).replace(/(?<![\w.])(\d+)\.(?=\d+(e[-+]?\d+)?(?![\w.]))/g, "$1,"));
+export const fixed = (number: number, decimals: number) => local(number.toFixed(decimals));
+
 /** A text with elements in its places. */
 export function rich<I extends Id>(id: I, ...[values]: Values<I, ComponentChildren>): ComponentChildren[] {
     const parts = (words?.default[id] ?? id).split(/\{(\w+)\}/);
-    return parts.map((part, k) => (k % 2 ? (values as Record<string, ComponentChildren>)[part] : part));
+    const given = (place: string) => (values as Record<string, ComponentChildren>)[place];
+    return parts.map((part, k) => (k % 2 === 0 ? part : typeof given(part) === "number" ? local(given(part) as number) : given(part)));
 }
 
 /** A text in the language of the page. */
@@ -79,8 +84,11 @@ export function choose(next: Language) {
  * text without an id, as of a reader of files, stays English. */
 export function inWords({ id, values, text }: Message): string {
     const own = engine?.default[id];
-    return own?.replace(/\{(\w+)\}/g, (_, place: string) => inWords(values[place]!)) ?? text;
+    return own?.replace(/\{(\w+)\}/g, (_, place: string) => inWords(values[place]!)) ?? (/^\D?\d+\.\d+( \S+)?$/.test(text) ? local(text) : text);
 }
+
+/** What is said of something with this name: French has a space before the colon. */
+export const about = (name: string, what: string | number) => `${name}${language === "fr" ? "\u00a0" : ""}: ${typeof what === "number" ? local(what) : what}`;
 
 /** A name of a table of the engine: a measure, a thing that goes along. */
 export const nameOf = (name: string) => engine?.default[`name.${name}`] ?? name;

@@ -4,10 +4,10 @@ import { useId } from "preact/hooks";
 import { type Kind, NAMES } from "./byplace";
 import { colourOf, isForce, isKnown, kindShade, meanWords, QUANTILE, type Scale, scaleOf, THINGS } from "./colour";
 import type { Film } from "./film";
-import { type Plain, t } from "./language";
+import { local, type Plain, t } from "./language";
 import { beat } from "./layout";
 import { KindName } from "./mix";
-import { Check, Choice, digits, length, NumberField } from "./parts";
+import { Check, Choice, length, NumberField } from "./parts";
 import { type Colour, change, type Plan, plan } from "./plan";
 
 const COLOURED: [Colour, string][] = [
@@ -21,13 +21,13 @@ const COLOURED: [Colour, string][] = [
 ];
 const MAPS: [Plan["map"], string][] = [["none", t("none")], ...(Object.entries(NAMES) as [Kind, Plain][]).map(([kind, name]): [Kind, string] => [kind, t(name)])];
 const MEANS: [string, string][] = [
-    ["0.1", "0.1 s"],
+    ["0.1", `${local(0.1)} s`],
     ["1", "1 s"],
 ];
 
 /** A number and its unit; a large one is rounded. */
 export function shown(value: number, unit: string) {
-    return `${Number(digits(value, 3))}${unit && ` ${unit}`}`;
+    return `${local(Number(value.toPrecision(3)))}${unit && ` ${unit}`}`;
 }
 
 /** What the colours mean. Their upper end follows the run, until it is fixed. */

@@ -2,7 +2,7 @@
 
 import { limit, ready } from "./drawn";
 import type { Film } from "./film";
-import { t } from "./language";
+import { fixed, t } from "./language";
 import { beat } from "./layout";
 import { brief, digits, Facts, NumberField } from "./parts";
 import { change, plan } from "./plan";
@@ -67,7 +67,7 @@ export function aboveLimit(film: Film): [string, string][] {
     if (first === null) return [[name, t("nobody")]];
     return [
         [name, t("{people} of {n}", { people, n: agents.length })],
-        [t("Above it at first"), t("at {first} s", { first: first.toFixed(2) })],
+        [t("Above it at first"), t("at {first} s", { first: fixed(first, 2) })],
         [t("Longest without a break"), `${digits(longest, 3)} s (${brief(agents[who]!.id)})`],
         [t("All together"), t("{time} person-seconds", { time: digits(time, 3) })],
     ];

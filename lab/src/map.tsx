@@ -5,12 +5,12 @@ import { type ByPlace, type Kind, NAMES, pointed } from "./byplace";
 import { valueAt } from "./canvas";
 import { origin, saveTable } from "./csv";
 import type { Film } from "./film";
-import { t } from "./language";
+import { about, t } from "./language";
 import { beat, canvas, presents } from "./layout";
 import { Bar, shown } from "./legend";
 import { Button, Check, NumberField, save } from "./parts";
 import { composeMap, png } from "./picture";
-import { change, plan, scene } from "./plan";
+import { change, plan, title } from "./plan";
 import { COLUMNS, isThere } from "./protocol";
 import { attempt, selected } from "./session";
 import { embedded } from "./storage";
@@ -31,7 +31,7 @@ export function MapLegend({ film, places, kind }: MapProps) {
     return (
         <section class="legend" aria-label={t("Map")}>
             <span class="scale">
-                {`${t(NAMES[kind])}: 0`}
+                {about(t(NAMES[kind]), 0)}
                 <Bar scale={scale} />
                 {shown(scale.high, scale.unit)}
             </span>
@@ -71,7 +71,7 @@ function Controls({ film, places, kind }: MapProps) {
         const { first, last } = places.filled.value!;
         return [time(first), time(last)] as const;
     };
-    const name = () => `${scene.value.name}-${NAMES[kind].toLowerCase().replace(" ", "-")}${of}-${span().join("-")}s`;
+    const name = () => `${title.value}-${NAMES[kind].toLowerCase().replace(" ", "-")}${of}-${span().join("-")}s`;
     const csv = () => {
         const { frames, stride, grid } = places.filled.value!;
         const squeeze = kind === "density" ? {} : { squeeze_is_a_mean_over_s: plan.value.smooth };

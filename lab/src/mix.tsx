@@ -5,7 +5,7 @@ import { useEffect } from "preact/hooks";
 import { Stopped } from "./client";
 import { thingsOf } from "./draw";
 import { isOwn, KINDS, kindWords } from "./kindwords";
-import { t } from "./language";
+import { about, local, t } from "./language";
 import { brief, Check, Field, Range } from "./parts";
 import { plan } from "./plan";
 import type { Disk, KindShown } from "./protocol";
@@ -58,7 +58,7 @@ export function percent(mix: Mix): Mix {
 
 /** Kinds and their shares in words; the name of somebody's own is in quotes. */
 export function mixWords(mix: Mix): string[] {
-    return Object.entries(percent(mix)).map(([kind, share]) => `${isOwn(kind) ? `"${brief(kind)}"` : kindWords(kind)}: ${share} %`);
+    return Object.entries(percent(mix)).map(([kind, share]) => about(isOwn(kind) ? `"${brief(kind)}"` : kindWords(kind), `${local(share)} %`));
 }
 
 export function MixForm({ mix, onChange }: { mix: Mix; onChange(mix: Mix): void }) {

@@ -8,7 +8,7 @@ import { averaged, meanWords } from "./colour";
 import { moreThan } from "./distribution";
 import type { Film } from "./film";
 import { BY_WALLS } from "./frames";
-import { capital, count, nameOf, t } from "./language";
+import { capital, count, fixed, local, nameOf, t } from "./language";
 import { calmly } from "./layout";
 import { Limit } from "./limit";
 import { MeasureFields } from "./line";
@@ -83,9 +83,9 @@ function details(film: Film, playing: boolean): Rows {
     const cost = film.cost.peek();
     const perStep = (1e9 * cost * (scene.mechanical_step / scene.step)) / Math.max(1, scene.agents.length);
     return [
-        [t("Communication step"), `${scene.step} s`, t("From one frame to the next; people decide once in it")],
-        [t("Mechanical step"), `${scene.mechanical_step} s${stable === null ? "" : `, ${scene.mechanical_step < stable ? t("stable (up to {stable} s)", { stable: digits(stable, 2) }) : t("not stable (up to {stable} s)", { stable: digits(stable, 2) })}`}`, t("The step with which forces and motion are integrated; longer than the stable one, contacts create energy")],
-        [t("Shown pace"), playing ? t("{pace} s per second", { pace: film.pace.peek().toFixed(2) }) : t("paused"), t("Simulated seconds in a second")],
+        [t("Communication step"), `${local(scene.step)} s`, t("From one frame to the next; people decide once in it")],
+        [t("Mechanical step"), `${local(scene.mechanical_step)} s${stable === null ? "" : `, ${scene.mechanical_step < stable ? t("stable (up to {stable} s)", { stable: digits(stable, 2) }) : t("not stable (up to {stable} s)", { stable: digits(stable, 2) })}`}`, t("The step with which forces and motion are integrated; longer than the stable one, contacts create energy")],
+        [t("Shown pace"), playing ? t("{pace} s per second", { pace: fixed(film.pace.peek(), 2) }) : t("paused"), t("Simulated seconds in a second")],
         [t("Time to compute a step"), computed ? `${digits(1000 * cost, 2)} ms` : "–", t("A communication step of all people, on this machine")],
         [t("… per person and mechanical step"), computed ? `${digits(perStep, 2)} ns` : "–", t("The same time, divided by the people and by the mechanical steps")],
     ];
@@ -113,7 +113,7 @@ function ofPerson(film: Film, k: number, a: number): Rows {
     // Who has left has no numbers: 0 would be one.
     if (there) {
         rows.push(
-            [t("Speed"), `${Math.hypot(of(3), of(4)).toFixed(2)} m/s`],
+            [t("Speed"), `${fixed(Math.hypot(of(3), of(4)), 2)} m/s`],
             [t("Squeeze, {mean}", { mean: meanWords(film, k) }), newtons(film.frames.means(k, averaged(film))[a]!), t("Sum of the normal forces on the person, from all sides")],
         );
         const byWalls = film.frames.meanOf(k, averaged(film), a, BY_WALLS);
@@ -151,7 +151,7 @@ function ofKind({ scene }: Film, a: number): Rows {
     if (parts) rows.push([t("With"), <>{parts}</>]);
     const person = scene.people?.[a];
     if (person && mass - person.mass > 0.05) rows.push([t("Mass of the person"), `${digits(person.mass, 3)} kg`]);
-    if (speed !== null) rows.push([t("Desired speed"), `${speed.toFixed(2)} m/s`, t("At which this person would walk alone")]);
+    if (speed !== null) rows.push([t("Desired speed"), `${fixed(speed, 2)} m/s`, t("At which this person would walk alone")]);
     return rows;
 }
 

@@ -1,17 +1,17 @@
 // The page: its parts and what is above them.
 
-import { signal } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { type JSX, render } from "preact";
 import { Busy } from "./busy";
 import { CrowdTab } from "./crowd";
-import { choose, language, type Language, LANGUAGES, t, unloaded } from "./language";
+import { about, choose, language, type Language, LANGUAGES, t, unloaded } from "./language";
 import { present, presents } from "./layout";
 import { follow } from "./live";
 import { MotionTab } from "./motion";
 import { Numbers } from "./numbers";
 import { Button, copy, Icon, isUndo } from "./parts";
 import { PersonTab } from "./person";
-import { canRedo, canUndo, change, link, onlyHere, type Plan, plan, redo, scene, undo, unlinked } from "./plan";
+import { canRedo, canUndo, change, link, onlyHere, type Plan, plan, redo, title, undo, unlinked } from "./plan";
 import { isPlan, openPlan } from "./plans";
 import { Report, report } from "./report";
 import { RoomTab } from "./room";
@@ -38,7 +38,7 @@ const TABS: [Plan["tab"], string][] = [
 function Bare() {
     return (
         <header class="bare">
-            <h1>{scene.value.name}</h1>
+            <h1>{title.value}</h1>
             <div class="tools">
                 {embedded ? (
                     <a href={link()} target="_blank" rel="noopener">
@@ -72,7 +72,7 @@ function Header() {
                 <button type="button" aria-label={t("Redo")} title={t("Redo (Ctrl+Y)")} disabled={!canRedo.value} onClick={redo}>
                     <Icon path="M10 2l4 4-4 4V7H6a2 2 0 0 0 0 4h4v2H6a4 4 0 0 1 0-8h4z" />
                 </button>
-                {more && <Button words={unit} aria-label={`${unit}: ${t("show lengths in {unit}", { unit: other })}`} title={t("Show lengths in {unit}", { unit: other })} onClick={() => change({ unit: other })} />}
+                {more && <Button words={unit} aria-label={about(unit, t("show lengths in {unit}", { unit: other }))} title={t("Show lengths in {unit}", { unit: other })} onClick={() => change({ unit: other })} />}
                 {more && <Button words={t("Present")} class="large" title={t("Shows the stage alone (F); Escape ends it")} onClick={() => present(true)} />}
                 <Button words={t("More")} title={t("Shows all tools, numbers and settings")} aria-pressed={more} onClick={() => change({ more: !more })} />
                 <Button words={t("Copy link")} onClick={() => void attempt(copyLink)} />
@@ -226,4 +226,5 @@ begin();
 follow();
 keepScenes();
 if (unloaded) problem.value = `The language could not be loaded: ${unloaded}`;
+effect(() => void (document.title = about(title.value, t("LEMONS lab"))));
 render(<Page />, document.getElementById("lab")!);

@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals";
 import { type ComponentChildren, type ComponentProps, type ComponentType, h, type Ref, type TargetedEvent } from "preact";
 import { useEffect, useId, useState } from "preact/hooks";
-import { inner, t } from "./language";
+import { inner, local, t } from "./language";
 import { plan } from "./plan";
 import type { Point } from "./protocol";
 
@@ -50,7 +50,7 @@ export function NumberField({ of, label, short, unit, title, value, min, max, mo
     const [typed, setTyped] = useState<{ text: string; instead: number } | null>(null);
     const wrong = typed?.instead === value;
     const id = useId();
-    const range = { name: of ? `${of}, ${label}` : label, min, max: unit ? `${max} ${unit}` : max };
+    const range = { name: of ? `${of}, ${label}` : label, min, max: unit ? `${local(max)} ${unit}` : max };
     return (
         <div class="field">
             <label for={id} title={title}>
@@ -141,7 +141,7 @@ export function PointRow({ k, children, onDelete, ...point }: PointProps & { k: 
 
 /** A length in m as it is read. */
 export function length(value: number, unit: "m" | "cm") {
-    return unit === "cm" ? `${Number((100 * value).toFixed(1))} cm` : `${Number(value.toFixed(3))} m`;
+    return unit === "cm" ? `${local(Number((100 * value).toFixed(1)))} cm` : `${local(Number(value.toFixed(3)))} m`;
 }
 
 export function Check({ label, value, onChange }: { label: ComponentChildren; value: boolean; onChange(value: boolean): void }) {
@@ -301,7 +301,7 @@ export function digits(value: number, count: number) {
     if (value === 0) return "0";
     if (!Number.isFinite(value)) return String(value);
     const size = Math.floor(Math.log10(Math.abs(value)));
-    return size < -4 || size > 8 ? value.toExponential(count - 1) : value.toFixed(Math.max(0, count - 1 - size));
+    return local(size < -4 || size > 8 ? value.toExponential(count - 1) : value.toFixed(Math.max(0, count - 1 - size)));
 }
 
 /** A name from outside, which may have any length. */

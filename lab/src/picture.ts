@@ -3,7 +3,7 @@
 import { type ByPlace, byPlace, type Kind, mapKind } from "./byplace";
 import { type Scale, scaleOf } from "./colour";
 import type { Film } from "./film";
-import { t } from "./language";
+import { about, fixed, t } from "./language";
 import { kindWords } from "./kindwords";
 import { empty } from "./layout";
 import { digits, length } from "./parts";
@@ -37,7 +37,7 @@ export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: 
     const { colour, unit } = plan.value;
     const height = heightOf(film);
     const at = height === null ? "" : `, ${t("{length} above the ground", { length: length(height, unit) })}`;
-    const time = `${(film.place.value * film.scene.step).toFixed(2)} s${at}`;
+    const time = `${fixed(film.place.value * film.scene.step, 2)} s${at}`;
     row(context, map ? t("People at {time}", { time }) : time, scaleOf(film, colour), width, line(0), ink);
     if (map) row(context, map.words(), map.scale(kind!), width, line(1), ink);
 }
@@ -78,7 +78,7 @@ function row(context: CanvasRenderingContext2D, words: string, { label, unit, lo
         context.fillStyle = colour;
         context.fillRect(right + (k * ramp) / colours.length, middle - 6 * pixel, ramp / colours.length + 1, 12 * pixel);
     });
-    const begin = `${label}: ${low > 0 ? `≤ ${low}` : 0}`;
+    const begin = about(label, low > 0 ? `≤ ${low}` : 0);
     context.fillStyle = ink;
     right -= context.measureText(begin).width + 8 * pixel;
     if (right > context.measureText(words).width + 20 * pixel) context.fillText(begin, right, middle);

@@ -2,7 +2,7 @@
 
 import { batch, computed, effect, signal } from "@preact/signals";
 import { firsts, flag, forms, list, nullable, number, type OfRows, one, patched, record, row, text, tuple, Unfit, within } from "./check";
-import { EXAMPLES } from "./examples";
+import { EXAMPLES, titled } from "./examples";
 import { backdrop, base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, mechanics, MOST, motion, person, point } from "./forms";
 import { capital, t } from "./language";
 import type { Edit, Mechanics, Motion, Point } from "./protocol";
@@ -220,6 +220,8 @@ const own = given.kept || !storage("sessionStorage")?.getItem(TAB) ? { ...page, 
 export const plan = signal<Plan>({ ...own, ...sceneOf(first.plan) });
 /** The scene on the stage: its Id if it is kept, and its name. */
 export const scene = signal<{ id: string | null; name: string }>({ id: given.kept ? null : before.id, name: first.name || "A scene" });
+/** Its name as it is shown. */
+export const title = computed(() => titled(scene.value.name));
 /** Whether it is of an earlier version of the page. */
 export const isFormer = !given.kept && before.former;
 /** What could not be read when the page was opened. */

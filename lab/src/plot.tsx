@@ -7,6 +7,7 @@ import "uplot/dist/uPlot.min.css";
 import "./charts.css";
 import { dark } from "./colour";
 import type { Film } from "./film";
+import { local } from "./language";
 
 export interface Line {
     label: string;
@@ -89,7 +90,7 @@ export function Plot({ film, title, unit, lines, data, end, now, summary }: Plot
                 cursor: { drag: { x: false, y: false }, y: false, points: { show: false } },
                 scales: { x: { time: false, range: () => [0, last.current] }, y: { range: (_, __, most) => [0, most > 0 ? 1.05 * most : 1] } },
                 axes: [
-                    { ...axis, size: 26, gap: 2, values: (_, values) => values.map((value) => `${value} s`) },
+                    { ...axis, size: 26, gap: 2, values: (_, values) => values.map((value) => `${local(value)} s`) },
                     { ...axis, size: GUTTER, gap: 4, incrs: lines.some(({ counts }) => counts) ? WHOLE : undefined },
                 ],
                 series: [

@@ -7,13 +7,13 @@ import { Client } from "./client";
 import type { Film } from "./film";
 import { frictionOf } from "./forms";
 import { difference, differing, facts, kept, shownTo } from "./kept";
-import { count, inWords, t } from "./language";
+import { about, count, inWords, local, t } from "./language";
 import { Squeeze } from "./legend";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
 import { openWords } from "./opentimes";
 import { brief, Button, Facts, Field, length } from "./parts";
-import { change, link, type Made, NAME, plan, scene } from "./plan";
+import { change, link, type Made, NAME, plan, title } from "./plan";
 import type { Block, Report as Told } from "./protocol";
 import { VERSION } from "./version";
 import { shape } from "./drawn";
@@ -70,7 +70,7 @@ function assumptions({ base, motion, edits, mechanics }: Made): [string, string]
     if (ofPeople.length < edits.length) rows.push([t("Walls"), t("changed")]);
     if (motion.kind === "go") {
         const { model, desired_speed, push, seed, groups, start } = motion.decision;
-        if (groups) rows.push([t("People in groups"), `${Number((100 * groups.share).toFixed(1))} %`]);
+        if (groups) rows.push([t("People in groups"), `${local(Number((100 * groups.share).toFixed(1)))} %`]);
         if (start) rows.push([t("They start"), t("from {min} to {max} s, each time as likely", { min: start.min, max: start.max })]);
         rows.push([t("They walk"), `${model}, ${mixed ? t("desired speeds by kind") : `${desired_speed} m/s`}, ${t("seed {seed}", { seed })}${push === null ? "" : t(", pushing ahead with at most {push} N", { push })}`]);
     }
@@ -103,8 +103,8 @@ function ofRun(film: Film): [string, ComponentChildren][] {
 
 /** What a sweep was made of: it may be another scene than the one on the stage. */
 function ofSweep({ made, parameter, until, runs }: Sweep): [string, string][] {
-    const all = (of: (run: Sweep["runs"][number]) => number) => [...new Set(runs.map(of))].sort((a, b) => a - b).join(", ");
-    const rows: [string, string][] = [[t("Parameter"), `${t(parameter.label)}: ${all(({ value }) => value)} ${parameter.unit}`.trim()], [t("Seeds"), all(({ seed }) => seed)], [t("Until all have left, at most"), `${until} s`]];
+    const all = (of: (run: Sweep["runs"][number]) => number) => [...new Set(runs.map(of))].sort((a, b) => a - b).map(local).join("; ");
+    const rows: [string, string][] = [[t("Parameter"), about(t(parameter.label), `${all(({ value }) => value)} ${parameter.unit}`.trim())], [t("Seeds"), all(({ seed }) => seed)], [t("Until all have left, at most"), `${local(until)} s`]];
     const { base, mechanics } = made;
     if (base.kind === "crowd") rows.push([t("People"), base.number === null ? t("{density} per m²", { density: base.density! }) : String(base.number)]);
     rows.push(...assumptions(made));
@@ -149,7 +149,7 @@ function Table({ caption, head, rows, numbers }: { caption: string; head: string
 function Part({ block }: { block: Block }) {
     if (block.kind === "text") return <p>{inWords(block.text)}</p>;
     if (block.kind === "list") return <ul>{block.items.map((item, k) => <li key={k}>{inWords(item)}</li>)}</ul>;
-    if (block.kind === "table") return <Table caption={inWords(block.caption)} head={block.head.map(inWords)} rows={block.rows.map((row) => row.map(inWords))} numbers={block.numbers} />;
+    if (block.kind === "table") return <Table caption={inWords(block.caption)} head={block.head.map(inWords)} rows={block.rows.map((row) => row.map((cell) => (cell.id ? inWords(cell) : local(cell.text))))} numbers={block.numbers} />;
     return <Picture svg={block.svg} words={inWords(block.caption)} />;
 }
 
@@ -173,7 +173,7 @@ export function Report({ film }: { film: Film }) {
                 <Button words={t("Print")} class="main" onClick={() => print()} />
                 <Button words={t("Back to the lab")} onClick={() => (report.value = null)} />
             </div>
-            <h1>{scene.value.name}</h1>
+            <h1>{title.value}</h1>
             <label class={plan.value.author ? "field author" : "field author none"}>
                 <span>{t("Author")}</span>
                 <Field type="text" maxLength={NAME} value={plan.value.author} onChange={(event) => change({ author: event.currentTarget.value.trim() })} />

@@ -6,7 +6,7 @@ import { BackdropForms } from "./backdrop";
 import { MakeCrowd } from "./crowd";
 import { DrawingPanel } from "./drawing";
 import { edited, ready, shape } from "./drawn";
-import { inner, t } from "./language";
+import { inner, local, t } from "./language";
 import { NewRoom } from "./newroom";
 import { OpenTimes } from "./opentimes";
 import { brief, Button, Choice, FAR, length, LengthField, PointFields } from "./parts";
@@ -127,7 +127,7 @@ function CrowdForms() {
             <Region crowd={crowd} />
             {made.value && same && (
                 <p class="note">
-                    {t("The free ground has")} {made.value.area.toFixed(2)} m²{crowd.region && t(" where people stand")}.
+                    {t("The free ground has")} {local(made.value.area.toFixed(2))} m²{crowd.region && t(" where people stand")}.
                 </p>
             )}
             <MakeCrowd />

@@ -3,8 +3,9 @@
 // be closed, and tells other tabs.
 
 import { batch, computed, effect, signal, untracked } from "@preact/signals";
+import { titled } from "./examples";
 import { t } from "./language";
-import { arrived, canRedo, canUndo, deleted, FIRST, FORMER, isFormer, type Kept, keptScenes, NAME, opened, plan, read, replace, SCENE, scene, sceneOf, toKeep } from "./plan";
+import { arrived, canRedo, canUndo, deleted, FIRST, FORMER, isFormer, type Kept, keptScenes, NAME, opened, plan, read, replace, SCENE, scene, sceneOf, title, toKeep } from "./plan";
 import { choose, problem, said } from "./session";
 import { storage } from "./storage";
 
@@ -84,7 +85,7 @@ export function begin() {
         const { id, name: called } = scene.value;
         if (id === null || key !== SCENE + id || newValue === written) return;
         // Nothing of the other tab's is written over.
-        const why = newValue === null ? t('"{called}" was deleted in another tab.', { called }) : t('"{called}" was changed in another tab.', { called });
+        const why = newValue === null ? t('"{called}" was deleted in another tab.', { called: titled(called) }) : t('"{called}" was changed in another tab.', { called: titled(called) });
         leave(newValue === null ? called : copyOf(called), why);
     });
     const shown = computed(() => scene.value.id);
@@ -98,14 +99,14 @@ export function begin() {
                 if (end.signal.aborted) return;
                 if (lock) return kept();
                 if (again) setTimeout(take, SOON, false);
-                else leave(copyOf(called), t('"{called}" is open in another tab.', { called }));
+                else leave(copyOf(called), t('"{called}" is open in another tab.', { called: titled(called) }));
             });
         take(true);
         return () => end.abort();
     });
 }
 
-const copyOf = (called: string) => t("{name} (copy)", { name: called }).slice(-NAME);
+const copyOf = (called: string) => t("{name} (copy)", { name: titled(called) }).slice(-NAME);
 
 /** What is on the stage is a copy from now on. */
 function leave(called: string, why: string) {
@@ -171,7 +172,7 @@ export function bringBack() {
 
 /** The scene on the stage as a file. */
 export function file(): [string, string] {
-    return [`${scene.value.name}.scene.json`, JSON.stringify({ ...toKeep(), past: [], future: [] }, null, 1)];
+    return [`${title.value}.scene.json`, JSON.stringify({ ...toKeep(), past: [], future: [] }, null, 1)];
 }
 
 /** Opens such a file. */

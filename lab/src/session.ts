@@ -4,7 +4,7 @@ import { batch, computed, effect, signal, untracked } from "@preact/signals";
 import { Client, Stopped } from "./client";
 import { Film } from "./film";
 import { type KeptBase } from "./forms";
-import { count, inWords, t } from "./language";
+import { about, count, fixed, inWords, t } from "./language";
 import { arrive, change, FIRST, follow, isNew, keysInUse, type Made as Planned, opened, plan, settle, unread } from "./plan";
 import type { Opened, PlacedCrowd, Scene, Sex, Shown } from "./protocol";
 import { kept, remove } from "./store";
@@ -86,8 +86,8 @@ async function contents(key: string, name: string): Promise<Uint8Array> {
 /** How many people were placed, or opened. */
 function describe(opened: Opened, base: KeptBase, seconds: number): string {
     const people = count(opened.scene.agents.length, "{n} person", "{n} people");
-    if (base.kind === "crowd") return t("{people} placed in {seconds} s", { people, seconds: seconds.toFixed(2) });
-    return base.kind === "upload" ? `"${base.name}": ${people}` : "";
+    if (base.kind === "crowd") return t("{people} placed in {seconds} s", { people, seconds: fixed(seconds, 2) });
+    return base.kind === "upload" ? about(`"${base.name}"`, people) : "";
 }
 
 async function open(wanted: Planned, number: number) {

@@ -4,7 +4,7 @@ import { signal } from "@preact/signals";
 import { edited } from "./drawn";
 import { frictionOf, type KeptCrowd } from "./forms";
 import { isOwn, kindName } from "./kindwords";
-import { type Plain, t } from "./language";
+import { about, local, type Plain, t } from "./language";
 import { type Mix, percent, shared } from "./mix";
 import { Check, Range } from "./parts";
 import { change, plan } from "./plan";
@@ -95,7 +95,7 @@ export function Sliders() {
                 return (
                     <label key={label} class="scrub">
                         <span>
-                            {t(label)}: <strong>{Number(value.toFixed(2))}</strong> {unit}
+                            {about(t(label), "")}<strong>{local(Number(value.toFixed(2)))}</strong> {unit}
                         </span>
                         <Range min={min} max={Math.max(max, value)} step={step} value={value} onSlide={(to) => slide(parameter, to)} onChange={letGo} />
                     </label>

@@ -5,7 +5,7 @@ import { EXAMPLES, type Example } from "./examples";
 import { Keep } from "./kept";
 import { t } from "./language";
 import { NewRoom } from "./newroom";
-import { canUndo, crowdOf, plan, scene } from "./plan";
+import { canUndo, crowdOf, plan, scene, title } from "./plan";
 import { Scenes } from "./scenelist";
 import { open } from "./scenes";
 import { film } from "./session";
@@ -45,7 +45,7 @@ export function StartTab() {
     return (
         <section class="panel" aria-label={t("Start")}>
             {/* Asked of the people that there are now. */}
-            <h2>{here ? asked(here, film.value?.scene.agents.length) : name}</h2>
+            <h2>{here ? asked(here, film.value?.scene.agents.length) : title.value}</h2>
             {/* It tells of the example as it is. */}
             {here && !canUndo.value && <p class="note">{here.sentence}</p>}
             <Sliders />

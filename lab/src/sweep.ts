@@ -6,9 +6,9 @@ import { table } from "./csv";
 import { meanFlow } from "./flow";
 import { ofAllPairs } from "./forms";
 import { Frames } from "./frames";
-import { inWords, type Plain, t } from "./language";
+import { about, inWords, type Plain, t } from "./language";
 import { beyond } from "./places";
-import { type Made, plan, scene } from "./plan";
+import { type Made, plan, title } from "./plan";
 import type { Advanced, Edit, Motion, Opened } from "./protocol";
 import { film, sent } from "./session";
 import type { Parameter } from "./sliders";
@@ -125,7 +125,7 @@ async function run(client: Client, from: Made, made: Made, doors: unknown[], unt
     const squeezes = frames.curve("squeeze").subarray(1, all ? -1 : undefined);
     return {
         made: { ...made, edits, motion },
-        leftOut: [...out].map(([k, why]) => `${called(made.edits[k]!)}: ${inWords(why)}`),
+        leftOut: [...out].map(([k, why]) => about(called(made.edits[k]!), inWords(why))),
         measures: {
             all_left: all ? (count.length - 1) * step : NaN,
             left: total,
@@ -147,7 +147,7 @@ export function begin(parameter: Parameter, values: number[], seeds: number, unt
     const { made } = plan.peek();
     const doors = film.peek()?.scene.beyond_doors ?? [];
     const waiting = values.flatMap((value) => Array.from({ length: seeds }, (_, k) => ({ value, ...variant(made, parameter, value, k) })));
-    sweep.value = { scene: scene.peek().name, made, parameter, until, wanted: waiting.length, runs: [], failed: [], stopped: false };
+    sweep.value = { scene: title.peek(), made, parameter, until, wanted: waiting.length, runs: [], failed: [], stopped: false };
     const workers = Math.max(1, Math.min(MOST_WORKERS, (navigator.hardwareConcurrency || 2) - 1, waiting.length));
     const mine = Array.from({ length: workers }, () => new Client());
     clients = mine;

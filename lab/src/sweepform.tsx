@@ -3,7 +3,7 @@
 import { batch } from "@preact/signals";
 import { saveTable } from "./csv";
 import { MOST } from "./forms";
-import { t } from "./language";
+import { about, local, t } from "./language";
 import { Button, Choice, digits, NumberField } from "./parts";
 import { change, crowdOf, type Made, type Plan, plan } from "./plan";
 import { open } from "./scenes";
@@ -136,7 +136,7 @@ function Results({ of, running }: { of: Sweep; running: boolean }) {
             {runs.length > 0 && (
                 <>
                     <Choice label={t("Measure")} value={measure} choices={Object.entries(MEASURES).map(([key, [words, unit]]) => [key as Measure, named(t(words), unitWords(unit))] as const)} onChange={(next) => set({ measure: next })} />
-                    <Chart found={found} measure={measure} words={`${t(label)}: ${t(parameter.label)}`} onShow={show} />
+                    <Chart found={found} measure={measure} words={about(t(label), t(parameter.label))} onShow={show} />
                     <SweepTable of={of} measure={measure} onShow={show} />
                     <div class="buttons">
                         <Button words={t("Runs of the sweep (CSV)")} onClick={() => give("runs", runsCsv(of))} />
@@ -170,7 +170,7 @@ export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measur
     const { label, unit } = of.parameter;
     const [words, unitOf] = MEASURES[measure];
     const stayed = measure === "all_left" ? of.runs.filter(({ measures }) => Number.isNaN(measures.all_left)).length : 0;
-    const shown = (number: number) => (Number.isNaN(number) ? "–" : number === Infinity ? `> ${of.until}` : digits(number, 3));
+    const shown = (number: number) => (Number.isNaN(number) ? "–" : number === Infinity ? `> ${local(of.until)}` : digits(number, 3));
     return (
         <>
             {stayed > 0 && (
@@ -198,9 +198,9 @@ export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measur
                             <tr key={value}>
                                 <th scope="row">
                                     {onShow ? (
-                                        <Button words={value} title={t("Shows its first run on the stage")} onClick={() => onShow(runs[0]!)} />
+                                        <Button words={local(value)} title={t("Shows its first run on the stage")} onClick={() => onShow(runs[0]!)} />
                                     ) : (
-                                        value
+                                        local(value)
                                     )}
                                 </th>
                                 <td>{numbers.length === runs.length ? runs.length : t("{n} of {n2}", { n: numbers.length, n2: runs.length })}</td>
@@ -243,7 +243,7 @@ function Chart({ found, measure, words, onShow }: { found: Row[]; measure: Measu
             {found.map(({ value, runs }) => (
                 <g key={value}>
                     <text x={x(value)} y={HIGH - 5} text-anchor="middle">
-                        {value}
+                        {local(value)}
                     </text>
                     {runs.map((run) =>
                         Number.isNaN(run.measures[measure]) ? null : (

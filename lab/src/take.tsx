@@ -7,7 +7,7 @@ import "./take.css";
 import { Stopped } from "./client";
 import { colourOf, isForce, scaleOf, values } from "./colour";
 import type { Film } from "./film";
-import { count, rich, t } from "./language";
+import { about, count, rich, t } from "./language";
 import { canvas } from "./layout";
 import { Movie, whyNoMovie } from "./movie";
 import { curvesCsv, leavingCsv, origin, perExit, saveOfRun, saveTable } from "./csv";
@@ -75,7 +75,7 @@ export function TakeTab({ film }: { film: Film }) {
             const name = await make();
             if (name !== undefined) said.value = name ? t('"{name}" is made.', { name }) : t("Stopped.");
         } catch (error) {
-            if (!(error instanceof Stopped)) problem.value = `${what}: ${(error as Error).message}`;
+            if (!(error instanceof Stopped)) problem.value = about(what, (error as Error).message);
         } finally {
             busy.value = false;
         }
@@ -119,7 +119,7 @@ export function TakeTab({ film }: { film: Film }) {
     const chosen = selected.value === null ? undefined : scene.agents[selected.value]?.id;
     const ofChosen = chosen === undefined ? "" : `-person-${chosen.slice(0, 24)}`;
     const size = (each: number) => Math.ceil(each * scene.agents.length);
-    const leaves = perExit(film).map(({ name, people, flow }) => `${named(name)}: ${count(people, "{n} person", "{n} people")}${flow === null ? "" : t(", {flow} per second", { flow: digits(flow, 3) })}`);
+    const leaves = perExit(film).map(({ name, people, flow }) => `${about(named(name), count(people, "{n} person", "{n} people"))}${flow === null ? "" : t(", {flow} per second", { flow: digits(flow, 3) })}`);
     const end = until.value ?? film.reached.value * scene.step;
     const steps = Math.max(1, Math.round(end / scene.step));
     const last = Number((steps * scene.step).toPrecision(12));

@@ -2,13 +2,13 @@
 
 import { leavings } from "./csv";
 import type { Film } from "./film";
-import { t } from "./language";
+import { fixed, local, t } from "./language";
 import { calmly } from "./layout";
 import { Legend } from "./legend";
 import { Button, Choice, Icon, NumberField, Range } from "./parts";
 import { change, plan } from "./plan";
 
-const PACES = [0.1, 0.25, 0.5, 1, 2, 4].map((pace) => [String(pace), `${pace} ×`] as const);
+const PACES = [0.1, 0.25, 0.5, 1, 2, 4].map((pace) => [String(pace), `${local(pace)} ×`] as const);
 const ICONS = {
     play: "M4 2.5v11l9.5-5.5z",
     pause: "M4 3h3v10H4zM9 3h3v10H9z",
@@ -68,7 +68,7 @@ function Timeline({ film }: { film: Film }) {
     const [k, computed] = [calmly(film, film.shown), calmly(film, film.computed)];
     const last = lastOf(film);
     const decimals = Math.max(2, Math.min(6, Math.ceil(-Math.log10(step))));
-    const time = `${(k * step).toFixed(decimals)} s`;
+    const time = `${fixed(k * step, decimals)} s`;
     const { motion } = plan.value.made;
     const pushes = motion.kind === "push" ? motion.pushes : [];
     const x = (frame: number) => (1000 * Math.min(frame, last)) / Math.max(1, last);
@@ -94,5 +94,5 @@ function Timeline({ film }: { film: Film }) {
 
 /** How far it is computed: a line of its own, which moves nothing. */
 function Status({ film }: { film: Film }) {
-    return <p class="note status">{t("computed: {computed} s", { computed: ((calmly(film, film.computed) - 1) * film.scene.step).toFixed(1) })}</p>;
+    return <p class="note status">{t("computed: {computed} s", { computed: fixed((calmly(film, film.computed) - 1) * film.scene.step, 1) })}</p>;
 }

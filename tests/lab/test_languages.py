@@ -64,7 +64,7 @@ def test_every_tab_is_in_the_language_of_the_browser(browser: Browser, url: str,
     expect(page.get_by_text(title, exact=True)).to_be_visible()
     # The numbers stay where they belong.
     if locale.startswith("fr"):
-        words = "130 spectateurs contournent un pilier et sortent par un tunnel large de 2.5 m et long de 8 m."
+        words = "130 spectateurs contournent un pilier et sortent par un tunnel large de 2,5 m et long de 8 m."
         expect(page.get_by_text(words)).to_be_visible()
     tabs = page.locator("header nav button")
     for k in range(6):
@@ -139,7 +139,12 @@ def test_every_tab_is_in_the_language_of_the_browser(browser: Browser, url: str,
     page.locator(".scenes button").nth(1).click()
     page.locator(".scenes button").nth(2).click()
     expect(page.locator(".scenes strong").first).to_have_text("Room")
-    assert english(page, {"Room", "Room (Kopie)", "Room (copie)", "right", "The door", "English"}) == {}
+    assert english(page, {"Room", "Room (Kopie)", "Room (copie)", "right", "English"}) == {}
+    # Numbers have a comma, French colons a space before them; the window has the name of the scene, too.
+    shown = [re.sub(r"FMI \d\.\d|LEMONS(-Labor)? \d\S*|https?:\S+|1991-1-1.*|[\w-]+\.\w{2,}", "", text) for text in page.evaluate("[...window.shown]")]
+    assert [text for text in shown if re.search(r"\d\.\d", text)] == []
+    assert locale[:2] != "fr" or [text for text in shown if re.search(r"[^\W\d_]:( |$)", text)] == []
+    assert page.title() == ("Room\u00a0: Laboratoire LEMONS" if locale.startswith("fr") else "Room: LEMONS-Labor")
     page.context.close()
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
-from visit import becomes, example, fill, link, make, people, plan, tab, wait
+from visit import ROOT, becomes, example, fill, link, make, people, plan, tab, wait
 
 
 @pytest.fixture
@@ -276,3 +276,26 @@ def test_what_is_said_about_saving_is_of_the_scene_on_the_stage(context: Browser
     expect(page.get_by_text("saved", exact=True)).to_be_visible()
     page.reload()
     people(page, 7)
+
+
+def test_a_file_that_an_earlier_version_has_kept_is_found(context: BrowserContext, url: str) -> None:
+    page = context.new_page()
+    # Of this place, and no page of the lab yet.
+    page.goto(f"{url}licences.txt")
+    trial = ROOT / "resources/Trial_push"
+    files = [(str(path.relative_to(trial)), list(path.read_bytes())) for path in sorted(trial.rglob("*.*"))]
+    page.evaluate(
+        """bytes => new Promise((done) => {
+            const opening = indexedDB.open("lemons-lab", 1);
+            opening.onupgradeneeded = () => opening.result.createObjectStore("files", { keyPath: "key" });
+            opening.onsuccess = () => {
+                const transaction = opening.result.transaction("files", "readwrite");
+                transaction.objectStore("files").put({ key: "former", bytes: new Uint8Array(bytes) });
+                transaction.oncomplete = () => (opening.result.close(), done());
+            };
+        })""",
+        [byte for _, content in files for byte in content],
+    )
+    base = {"kind": "upload", "name": "kept", "files": [[f"kept/{name}", len(content)] for name, content in files], "key": "former"}
+    page.goto(link(url, {"name": "Earlier", "made": {"base": base, "edits": [], "motion": {"kind": "own"}}}))
+    expect(page.get_by_text('"kept": 5 people')).to_be_visible()
