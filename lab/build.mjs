@@ -3,9 +3,10 @@ import { build } from "esbuild";
 import { spawnSync } from "node:child_process";
 import { existsSync } from "node:fs";
 import { createHash } from "node:crypto";
-import { cp, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
+import { cp, mkdir, readdir, readFile, rm, stat, writeFile } from "node:fs/promises";
 import { resolve } from "node:path";
 import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
 
 const here = fileURLToPath(new URL(".", import.meta.url));
 const [wasm, licences, folder = `${here}dist`] = process.argv.slice(2);
@@ -18,7 +19,7 @@ const version = /^version = "(.*)"$/m.exec(await readFile(`${here}../Cargo.toml`
 const ofGit = () => existsSync(`${here}../.git`) && spawnSync("git", ["rev-parse", "--short=8", "HEAD"], { cwd: here, encoding: "utf8" }).stdout?.trim();
 const commit = process.env.LEMONS_COMMIT ?? ofGit();
 await build({
-    define: { __VERSION__: JSON.stringify(commit ? `${version} (${commit})` : version) },
+    define: { __VERSION__: JSON.stringify(commit ? `${version} (${commit})` : version), __WASM_BYTES__: String((await stat(wasm)).size) },
     // The page's CSS is of the modules that it imports; `style.css` is loaded before.
     entryPoints: { page: "src/page.tsx", worker: "src/worker.ts" },
     outdir: out,
@@ -49,3 +50,5 @@ for (const file of files.filter((name) => /\.(html|js)$/.test(name))) {
     const text = await readFile(out + file, "utf8");
     await writeFile(out + file, text.replaceAll("__BUILD__", stamp).replaceAll("__FILES__", addresses.join(" ")));
 }
+// For hosts that give compressed files, and for `lemons lab`.
+for (const file of files.filter((name) => name !== "offline.js")) await writeFile(`${out}${file}.gz`, gzipSync(await readFile(out + file), { level: 9 }));

@@ -49,7 +49,7 @@ fn main() {
 }
 
 /// Writes `lab.rs` into `OUT_DIR`: the names and contents of the files in `lab/dist`, none if it was not made. The
-/// libraries there are not among them: the command has its own.
+/// libraries there are not among them: the command has its own. Of a file that is there compressed, too, it holds this one.
 fn lab(root: &Path) {
     let dist = root.join("lab/dist");
     // Cargo would run this each time for a directory that is not there.
@@ -59,6 +59,8 @@ fn lab(root: &Path) {
     let entries = fs::read_dir(&dist).into_iter().flatten().flatten();
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
     files.retain(|path| path.file_name().is_some_and(|name| name != "binaries.json"));
+    let all = files.clone();
+    files.retain(|path| !all.contains(&PathBuf::from(format!("{}.gz", path.display()))));
     files.sort();
     let line = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();

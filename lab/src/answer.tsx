@@ -11,10 +11,14 @@ import { brief, Button, named } from "./parts";
 import { plan, scene } from "./plan";
 import type { Sustained } from "./protocol";
 import { selected } from "./session";
+import { viewed } from "./storage";
 import { UntilLeft } from "./transport";
 
 /** The example on the stage, as long as it has its name, or that of a copy. */
 export const example = () => EXAMPLES.find(({ name }) => [name, t("{name} (copy)", { name: t(name) })].includes(scene.value.name));
+
+/** The question of the scene on the stage, in words; empty if there is none. */
+export const questionOf = ({ scene: { agents, leaving } }: Film) => example()?.question(agents.length) ?? (leaving > 0 ? t("How long do {n} people need to leave?", { n: leaving }) : "");
 
 /** What is asked of the scene on the stage. */
 export function askedOf({ scene: { leaving } }: Film) {
@@ -73,7 +77,7 @@ function known(film: Film): Known | string {
 
 export function Answer({ film }: { film: Film }) {
     const found = known(film);
-    const question = <small class="phone">{example()?.question(film.scene.agents.length)}</small>;
+    const question = !viewed && <small class="phone">{questionOf(film)}</small>;
     if (typeof found === "string") {
         return (
             <p class="answer">

@@ -48,6 +48,9 @@ export class Client {
     #crashedAt: Request["ask"] | undefined;
     /** What the worker has been at for longer than half a second. */
     readonly slow = signal<Slow | null>(null);
+    /** The share of the lab that has come. */
+    readonly loaded = signal<number | undefined>(undefined);
+    readonly module = signal<WebAssembly.Module | null>(null);
     /** Called after a worker ended by itself. */
     broken = (_why: string) => {};
 
@@ -69,6 +72,8 @@ export class Client {
             this.stop(told.broken);
             return this.broken(told.broken);
         }
+        if ("loading" in told) return void (this.loaded.value = told.loading);
+        if ("module" in told) return void (this.module.value ??= told.module);
         const waiting = this.#waiting.get(told.id);
         if (!waiting) return;
         if ("progress" in told) {

@@ -2,18 +2,16 @@
 // be changed before the next key or click. An answer takes a fraction of a millisecond. It also counts the time above a limit,
 // which is written with the frame that is shown.
 
-import { signal } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { inWords, t } from "./language";
 import type { Drawn, Limit, LimitRequest, Outline, Point, Room, RoomEdit } from "./protocol";
-import { problem } from "./session";
+import { client } from "./session";
 import { answer, type Lab, load } from "./wasm";
 
 const lab = signal<Lab | null>(null);
-load(() => 0, "?__BUILD__").then(
-    (loaded) => (lab.value = loaded),
-    // Then the worker's may fail, too, which matters more.
-    (error) => (problem.value ||= t('Rooms cannot be drawn: "{error}". Load this page again.', { error: String(error).replaceAll('"', "'") })),
-);
+effect(() => {
+    if (client.module.value) void load(client.module.value, () => 0).then((loaded) => (lab.value = loaded));
+});
 
 /** Whether rooms can be drawn. */
 export function ready() {

@@ -13,7 +13,7 @@ import { composeMap, png } from "./picture";
 import { change, plan, title } from "./plan";
 import { COLUMNS, isThere } from "./protocol";
 import { attempt, selected } from "./session";
-import { embedded } from "./storage";
+import { viewed } from "./storage";
 
 interface MapProps {
     film: Film;
@@ -35,7 +35,7 @@ export function MapLegend({ film, places, kind }: MapProps) {
                 <Bar scale={scale} />
                 {shown(scale.high, scale.unit)}
             </span>
-            {!embedded && !presents.value && <Controls film={film} places={places} kind={kind} />}
+            {!viewed && !presents.value && <Controls film={film} places={places} kind={kind} />}
             <p class="note" aria-busy={places.busy.value}>
                 {`${places.words()}. ${there ? t("Greatest value: {largest}; {cells}", { largest: shown(scale.largest, scale.unit), cells: places.cells() }) : ""}`}
             </p>

@@ -2,6 +2,7 @@
 
 import { effect, signal } from "@preact/signals";
 import { type JSX, render } from "preact";
+import { questionOf } from "./answer";
 import { Busy } from "./busy";
 import { CrowdTab } from "./crowd";
 import { about, choose, language, type Language, LANGUAGES, t, unloaded } from "./language";
@@ -9,7 +10,7 @@ import { present, presents } from "./layout";
 import { follow } from "./live";
 import { MotionTab } from "./motion";
 import { Numbers } from "./numbers";
-import { Button, copy, Icon, isUndo } from "./parts";
+import { Button, copy, Icon, isUndo, Link } from "./parts";
 import { PersonTab } from "./person";
 import { canRedo, canUndo, change, link, onlyHere, type Plan, plan, redo, title, undo, unlinked } from "./plan";
 import { isPlan, openPlan } from "./plans";
@@ -17,10 +18,11 @@ import { Report, report } from "./report";
 import { RoomTab } from "./room";
 import { Title } from "./scenelist";
 import { begin as keepScenes } from "./scenes";
-import { attempt, begin, film, notes, problem, said } from "./session";
+import { attempt, begin, client, film, notes, problem, said } from "./session";
+import { Sketch } from "./sketch";
 import { Stage } from "./stage";
 import { StartTab } from "./start";
-import { embedded } from "./storage";
+import { embedded, viewed } from "./storage";
 import { TakeTab } from "./take";
 import { Tour } from "./tour";
 import { dropped, openTrial } from "./upload";
@@ -39,11 +41,10 @@ function Bare() {
     return (
         <header class="bare">
             <h1>{title.value}</h1>
+            {film.value && <p>{questionOf(film.value)}</p>}
             <div class="tools">
-                {embedded ? (
-                    <a href={link()} target="_blank" rel="noopener">
-                        {t("Open in the LEMONS lab")}
-                    </a>
+                {viewed ? (
+                    <Link query="?lab" words={t("Open in the lab")} target={embedded ? "_blank" : undefined} />
                 ) : (
                     <Button words={t("End the presentation")} onClick={() => present(false)} />
                 )}
@@ -89,7 +90,7 @@ function go(tab: Plan["tab"]) {
 }
 
 async function copyLink() {
-    await copy(link());
+    await copy(await link("?view"));
     const files = unlinked(plan.value).map((name) => `"${name}"`).join(t(" and "));
     const holds = files ? t("It does not hold {files}: who opens it elsewhere needs the file.", { files }) : t("It holds the whole scene.");
     said.value = [t("The link is copied."), holds, onlyHere].filter(Boolean).join(" ");
@@ -112,7 +113,7 @@ const sheet = signal<"forms" | "numbers" | null>(null);
 function Page() {
     const { tab, more } = plan.value;
     const shown = film.value;
-    const alone = embedded || presents.value;
+    const alone = viewed || presents.value;
     const open = (which: "forms" | "numbers") => (sheet.value === which ? "sheet open" : "sheet");
     return (
         <>
@@ -125,13 +126,13 @@ function Page() {
                     <PersonTab />
                 </main>
             ) : (
-                <main class={alone ? "columns alone" : more ? "columns" : "columns few"}>
+                <main class={alone ? `columns alone${viewed ? " view" : ""}` : more ? "columns" : "columns few"}>
                     {!alone && (
                         <div key={tab} class={open("forms")}>
                             <Panel />
                         </div>
                     )}
-                    {shown ? <Stage key="stage" film={shown} /> : <p role="status">{problem.value ? "" : t("One moment …")}</p>}
+                    {shown ? <Stage key="stage" film={shown} /> : <Poster />}
                     {!alone && <div class={open("numbers")}>{shown && <Numbers film={shown} />}</div>}
                 </main>
             )}
@@ -155,6 +156,18 @@ function Page() {
             </footer>
             {over.value && <p class="drop">{t("Drop a zip or a folder with a Trial, a plan, or a picture")}</p>}
         </>
+    );
+}
+
+/** The scene as a drawing until it is there, and how much of the lab is loaded. */
+function Poster() {
+    if (problem.value) return <p role="status" />;
+    return (
+        <div class="poster">
+            <Sketch base={plan.value.made.base} />
+            <p role="status">{t("One moment …")}</p>
+            <progress aria-label={t("Progress")} value={client.loaded.value} />
+        </div>
     );
 }
 
@@ -221,10 +234,12 @@ addEventListener("drop", (event) => {
 });
 
 // `lemons lab` gives the page on another port each time: nothing would be found again there.
-if (location.hostname !== "127.0.0.1" && !embedded) navigator.serviceWorker?.register("offline.js").catch(() => {});
+if (location.hostname !== "127.0.0.1" && !viewed) navigator.serviceWorker?.register("offline.js").catch(() => {});
 begin();
 follow();
 keepScenes();
 if (unloaded) problem.value = `The language could not be loaded: ${unloaded}`;
 effect(() => void (document.title = about(title.value, t("LEMONS lab"))));
-render(<Page />, document.getElementById("lab")!);
+const lab = document.getElementById("lab")!;
+lab.replaceChildren();
+render(<Page />, lab);

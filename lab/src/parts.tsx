@@ -1,10 +1,10 @@
 // Small parts of forms.
 
-import { signal } from "@preact/signals";
+import { signal, useSignal, useSignalEffect } from "@preact/signals";
 import { type ComponentChildren, type ComponentProps, type ComponentType, h, type Ref, type TargetedEvent } from "preact";
 import { useEffect, useId, useState } from "preact/hooks";
 import { inner, local, t } from "./language";
-import { plan } from "./plan";
+import { link, plan } from "./plan";
 import type { Point } from "./protocol";
 
 interface NumberProps {
@@ -324,6 +324,13 @@ export function save(called: string, content: BlobPart): string {
     anchor.click();
     setTimeout(() => URL.revokeObjectURL(url), 60_000);
     return name;
+}
+
+/** A link to the scene on the stage. */
+export function Link({ query, words, target }: { query: Parameters<typeof link>[0]; words: string; target?: string }) {
+    const address = useSignal<string | undefined>(undefined);
+    useSignalEffect(() => void link(query).then((to) => (address.value = to)));
+    return <a href={address.value} target={target} rel="noopener">{words}</a>;
 }
 
 /** Puts a text into the clipboard. */

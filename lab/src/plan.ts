@@ -6,7 +6,8 @@ import { EXAMPLES, titled } from "./examples";
 import { backdrop, base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, mechanics, MOST, motion, person, point } from "./forms";
 import { capital, t } from "./language";
 import type { Edit, Mechanics, Motion, Point } from "./protocol";
-import { storage } from "./storage";
+import { packed, unpacked } from "./link";
+import { storage, viewed } from "./storage";
 
 /** What is on the stage. */
 export interface Made {
@@ -153,17 +154,12 @@ function latest(steps: string[]): string[] {
 }
 
 /** A link is read once: later changes count more. */
-function linked(): Read {
+async function linked(): Promise<Read> {
     const { hash } = location;
     if (hash.length < 2) return { kept: null, left: "" };
-    history.replaceState(null, "", location.pathname + location.search);
-    let text = hash.slice(1);
-    try {
-        text = decodeURIComponent(text);
-    } catch {
-        // Then it is no plan, either.
-    }
-    const found = read(text, t("the link"));
+    if (!viewed) history.replaceState(null, "", location.pathname + location.search);
+    // What cannot be unpacked is no plan, either.
+    const found = read(await unpacked(hash.slice(1), LONGEST).catch(() => "-"), t("the link"));
     // A link brings its scene. What belongs to the page is as this visitor has it.
     return found.kept ? { ...found, kept: { ...found.kept, name: found.kept.name || "From a link", past: [], future: [] } } : found;
 }
@@ -209,7 +205,7 @@ function found(): { id: string | null; read: Read; former: boolean } {
     return { id: null, read: { kept: former.kept && { ...former.kept, name: "Of an earlier visit" }, left: former.left || tab.left }, former: former.kept !== null };
 }
 
-const given = linked();
+const given = await linked();
 const before = found();
 /** Whether there is nothing of a former visit, and no link. */
 export const isNew = !given.kept && !before.read.kept;
@@ -323,17 +319,18 @@ function go(from: typeof past, to: typeof past) {
 export const undo = () => go(past, future);
 export const redo = () => go(future, past);
 
-/** The scene as a link: to the whole page, or to the stage alone. It holds no picture. */
-export function link(query = "") {
-    return `${location.origin}${location.pathname}${query}#${encodeURIComponent(JSON.stringify({ name: scene.value.name, ...sceneOf(plan.value), backdrop: undefined }))}`;
+/** The scene as a link, without what is as at first. It holds no picture. */
+export async function link(query: "?view" | "?embed" | "?lab") {
+    const held = Object.entries(sceneOf(plan.value)).filter(([key, value]) => key !== "backdrop" && JSON.stringify(value) !== JSON.stringify(FIRST[key as keyof Plan]));
+    return `${location.origin}${location.pathname}${query}#${await packed(JSON.stringify({ name: scene.value.name, ...Object.fromEntries(held) }))}`;
 }
 
 /** What is said of a link where the page is on the visitor's own machine. */
 export const onlyHere = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname) ? t("It works on this machine only: for others, put the page on a web host (docs/lab.md says how).") : "";
 
 /** Takes a link that was put into the open page. Returns what of it does not fit. */
-export function follow(): string {
-    const { kept, left } = linked();
+export async function follow(): Promise<string> {
+    const { kept, left } = await linked();
     if (kept) replace(null, { ...kept, plan: sceneOf(kept.plan) });
     return left;
 }

@@ -60,4 +60,7 @@ export type Told =
     | { id: number; value: unknown; bytes: ArrayBuffer; seconds: number }
     | { id: number; refused: Message }
     | { id: number; progress: Progress }
+    /** The share of the lab that has come; then the lab, for the page. */
+    | { loading: number }
+    | { module: WebAssembly.Module }
     | { broken: string };

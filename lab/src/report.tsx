@@ -12,8 +12,8 @@ import { Squeeze } from "./legend";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
 import { openWords } from "./opentimes";
-import { brief, Button, Facts, Field, length } from "./parts";
-import { change, link, type Made, NAME, plan, title } from "./plan";
+import { brief, Button, Facts, Field, length, Link } from "./parts";
+import { change, type Made, NAME, plan, title } from "./plan";
 import type { Block, Report as Told } from "./protocol";
 import { VERSION } from "./version";
 import { shape } from "./drawn";
@@ -180,7 +180,7 @@ export function Report({ film }: { film: Film }) {
             </label>
             <p>
                 {t("Made with the LEMONS lab {version} on {date}: pedestrians as rigid bodies of disks with damped springs and friction, in two dimensions.", { version: VERSION, date: new Date().toISOString().slice(0, 10) })}{" "}
-                <a href={link()}>{t("This scene as a link")}</a>.
+                <Link query="?view" words={t("This scene as a link")} />.
             </p>
             {own.notices.map((notice, k) => <p key={k} class="warning">{inWords(notice)}</p>)}
             {own.sections.map(({ heading, blocks }) => (

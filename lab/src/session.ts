@@ -7,6 +7,7 @@ import { type KeptBase } from "./forms";
 import { about, count, fixed, inWords, t } from "./language";
 import { arrive, change, FIRST, follow, isNew, keysInUse, type Made as Planned, opened, plan, settle, unread } from "./plan";
 import type { Opened, PlacedCrowd, Scene, Sex, Shown } from "./protocol";
+import { viewed } from "./storage";
 import { kept, remove } from "./store";
 
 export const client = new Client();
@@ -27,7 +28,7 @@ let present: Planned | null = null;
 /** The walls of an opened Trial as its files have them, and which Trial it is (its base as text). */
 export const trialWalls = signal<{ base: string; walls: Scene["walls"] } | null>(null);
 /** Whether the next one plays at once. The first scene does, and the example with files of its own. */
-let plays = isNew || (plan.value.made.base.kind === "example" && plan.value.tab === "start");
+let plays = isNew || viewed || (plan.value.made.base.kind === "example" && plan.value.tab === "start");
 
 /** Whether the visitor likes pictures that move by themselves. */
 const moves = !matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -170,8 +171,8 @@ export function begin() {
         untracked(() => (shown ? arrive() : void show(next)));
     });
     problem.value = unread;
-    addEventListener("hashchange", () => {
-        const left = follow();
+    addEventListener("hashchange", async () => {
+        const left = await follow();
         if (left) problem.value = left;
     });
 }

@@ -86,10 +86,16 @@ function slide(parameter: Parameter, value: number) {
     else choose(other, playsOn(), plan.value.crowd, "", asStep);
 }
 
-export function Sliders() {
+/** What most questions are about. */
+const FIRST: Plain[] = ["Force of the pushes", "Width of the door", "Width of door 1", "Desired speed", "People"];
+
+/** All, or not more than `most` of those that matter first. */
+export function Sliders({ most }: { most?: number }) {
+    const all = parameters();
+    const shown = most ? FIRST.flatMap((first) => all.filter(({ label }) => label === first)).slice(0, most) : all;
     return (
         <div class="sliders">
-            {parameters().map((parameter) => {
+            {shown.map((parameter) => {
                 const { label, unit, value, range } = parameter;
                 const [min, max, step] = range;
                 return (
@@ -101,7 +107,7 @@ export function Sliders() {
                     </label>
                 );
             })}
-            {plan.value.made.base.kind === "crowd" && Object.keys(plan.value.crowd.mix).length === 0 && (
+            {!most && plan.value.made.base.kind === "crowd" && Object.keys(plan.value.crowd.mix).length === 0 && (
                 <Check label={<span title={t("Round bodies: one disk each, of the same area")}>{t("Round bodies")}</span>} value={plan.value.crowd.round} onChange={(round) => change({ crowd: { ...plan.value.crowd, round } })} />
             )}
         </div>

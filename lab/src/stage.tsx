@@ -20,7 +20,8 @@ import { Menu } from "./menu";
 import { Button, Check, Choice, digits, in3d, length, LengthField, Range } from "./parts";
 import { change, type Plan, plan } from "./plan";
 import { heightOf, levelAt, Sections } from "./sections";
-import { embedded } from "./storage";
+import { Sliders } from "./sliders";
+import { viewed } from "./storage";
 import { ToolHint, Tools } from "./tools";
 import { Transport } from "./transport";
 
@@ -53,7 +54,7 @@ export function Stage({ film }: { film: Film }) {
         byPlace.value = places;
         return () => places?.end();
     }, [places]);
-    const alone = embedded || presents.value;
+    const alone = viewed || presents.value;
     return (
         <section class="stage" aria-label={t("Stage")}>
             {!alone && <Bar film={film} />}
@@ -84,7 +85,7 @@ export function Stage({ film }: { film: Film }) {
             {plan.value.more && <Legend film={film} />}
             {places && kind && <MapLegend film={film} places={places} kind={kind} />}
             <Transport film={film} />
-            {!embedded && <Charts film={film} />}
+            {viewed ? <Sliders most={2} /> : <Charts film={film} />}
         </section>
     );
 }

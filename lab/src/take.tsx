@@ -13,7 +13,7 @@ import { Movie, whyNoMovie } from "./movie";
 import { curvesCsv, leavingCsv, origin, perExit, saveOfRun, saveTable } from "./csv";
 import { attribute, Button, copy, digits, named, NumberField, save } from "./parts";
 import { compose, png } from "./picture";
-import { link, onlyHere, plan, scene as kept } from "./plan";
+import { link, onlyHere, plan, title } from "./plan";
 import type { FileRequest, NamedFile } from "./protocol";
 import { makeReport } from "./report";
 import { heightOf } from "./sections";
@@ -176,7 +176,7 @@ export function TakeTab({ film }: { film: Film }) {
                 {item(
                     t("Copy code to embed"),
                     async () => {
-                        await copy(`<iframe src="${attribute(link("?embed"))}" title="${attribute(kept.peek().name)}" width="800" height="600" allow="fullscreen"></iframe>`);
+                        await copy(`<iframe src="${attribute(await link("?embed"))}" title="${attribute(title.peek())}" width="800" height="600" allow="fullscreen"></iframe>`);
                         said.value = [t("The code is copied."), onlyHere].filter(Boolean).join(" ");
                     },
                     <>

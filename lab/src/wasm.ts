@@ -11,13 +11,29 @@ export interface Lab {
 
 type Watch = (stage: number, iteration: number, limit: number, overlap: number, density: number) => number;
 
-/** `lab_progress` is called during long work; it returns whether to stop. `build` ends the address: that of this page. */
-export async function load(lab_progress: Watch, build: string): Promise<Lab> {
+/** Hosts say how long the file is as it is sent, which may be compressed. */
+declare const __WASM_BYTES__: number;
+
+/** Tells how many bytes have come. */
+async function count(body: ReadableStream<Uint8Array>, tell: (share: number) => void) {
+    const reader = body.getReader();
+    let read = 0;
+    for (let part = await reader.read(); !part.done; part = await reader.read()) tell((read += part.value.length) / __WASM_BYTES__);
+}
+
+/** `build` ends the address: that of this page. */
+export async function compile(build: string, tell: (share: number) => void): Promise<WebAssembly.Module> {
     const file = await fetch(`lemons_lab.wasm${build}`);
     if (!file.ok) throw new Error(`lemons_lab.wasm: the host answers ${file.status}`);
+    // What breaks off here does so below, too.
+    count(file.clone().body!, tell).catch(() => {});
     // Some hosts give another type, which only the slower way takes.
     const typed = file.headers.get("Content-Type")?.startsWith("application/wasm");
-    const module = await (typed ? WebAssembly.compileStreaming(file) : file.arrayBuffer().then((bytes) => WebAssembly.compile(bytes)));
+    return typed ? WebAssembly.compileStreaming(file) : WebAssembly.compile(await file.arrayBuffer());
+}
+
+/** `lab_progress` is called during long work; it returns whether to stop. */
+export async function load(module: WebAssembly.Module, lab_progress: Watch): Promise<Lab> {
     // A library asks for functions of wasm-bindgen that nobody calls.
     const imports: Record<string, Record<string, () => never>> = {};
     for (const { module: from, name } of WebAssembly.Module.imports(module)) {

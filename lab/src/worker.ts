@@ -1,7 +1,7 @@
 // Computes: asks the lab in WebAssembly, one request after the other.
 
 import type { Asked, Progress, Told } from "./protocol";
-import { answer, load } from "./wasm";
+import { answer, compile, load } from "./wasm";
 
 let current = 0;
 let told = 0;
@@ -21,7 +21,16 @@ function lab_progress(stage: number, iteration: number, limit: number, overlap: 
     return 0;
 }
 
-const lab = load(lab_progress, location.search);
+let shared = 0;
+const compiled = compile(location.search, (loading) => {
+    if (loading - shared < 0.01) return;
+    shared = loading;
+    say({ loading });
+});
+const lab = compiled.then((module) => {
+    say({ module });
+    return load(module, lab_progress);
+});
 
 onmessage = async ({ data }: MessageEvent<Asked>) => {
     try {

@@ -10,11 +10,12 @@ use crate::interrupt::Interrupt;
 use crate::print;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::{Binary, THIRD_PARTY};
+use flate2::read::GzDecoder;
 use lemons_core::files::input;
 use server::{HttpRequest, HttpResponse, serve};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -91,13 +92,27 @@ fn answer(request: &HttpRequest, address: SocketAddr, libraries: &Libraries) -> 
     let here = [address.to_string(), format!("localhost:{}", address.port())];
     let (path, query) = request.path.split_once('?').unwrap_or((request.path, ""));
     let path = if path == "/" { "index.html" } else { path.trim_start_matches('/') };
+    let mut encoding = "";
     let (status, kind, content): (_, _, Cow<'static, [u8]>) = if here.iter().all(|here| here != request.host)
     {
         ("403 Forbidden", "txt", b"another host".into())
     } else if !matches!(request.method, "GET" | "HEAD") {
         ("405 Method Not Allowed", "txt", b"only GET and HEAD".into())
-    } else if let Some((name, content)) = FILES.iter().find(|(name, _)| *name == path) {
-        ("200 OK", name.rsplit('.').next().unwrap_or_default(), Cow::Borrowed(*content))
+    } else if let Some((name, content)) =
+        FILES.iter().find(|(name, _)| name.strip_suffix(".gz").unwrap_or(name) == path)
+    {
+        let content = if !name.ends_with(".gz") {
+            Cow::Borrowed(*content)
+        } else if request.takes_gzip {
+            encoding = "Content-Encoding: gzip\r\n";
+            Cow::Borrowed(*content)
+        } else {
+            let mut whole = Vec::new();
+            // The file was made with this program: it is whole.
+            let _ = GzDecoder::new(*content).read_to_end(&mut whole);
+            whole.into()
+        };
+        ("200 OK", path.rsplit('.').next().unwrap_or_default(), content)
     } else if path == "binaries.json" {
         let places: BTreeMap<_, _> = libraries.iter().map(|(name, (place, _))| (name, place)).collect();
         ("200 OK", "json", serde_json::to_vec(&places).unwrap_or_default().into())
@@ -113,7 +128,8 @@ fn answer(request: &HttpRequest, address: SocketAddr, libraries: &Libraries) -> 
     let frame = if query == "embed" { "" } else { NO_FRAME };
     let head = format!(
         "Content-Type: {}\r\nContent-Security-Policy: {POLICY}{frame}\r\nX-Content-Type-Options: nosniff\r\n\
-         Referrer-Policy: no-referrer\r\nCache-Control: no-cache\r\n",
+         Referrer-Policy: no-referrer\r\nCache-Control: no-cache\r\nVary: Accept-Encoding\r\n\
+         {encoding}",
         kind_of(kind)
     );
     HttpResponse { status, head, content }

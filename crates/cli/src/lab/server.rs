@@ -26,6 +26,8 @@ pub struct HttpRequest<'a> {
     /// The path of the address, with what follows `?`.
     pub path: &'a str,
     pub host: &'a str,
+    /// Whether it takes an answer that is compressed with gzip.
+    pub takes_gzip: bool,
 }
 
 /// An answer.
@@ -127,9 +129,13 @@ fn request_of(head: &str) -> HttpRequest<'_> {
     let mut lines = head.split("\r\n");
     let mut words = lines.next().unwrap_or_default().split(' ');
     let (method, path) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
-    let mut fields = lines.filter_map(|line| line.split_once(':'));
-    let host = fields.find(|(name, _)| name.eq_ignore_ascii_case("host"));
-    HttpRequest { method, path, host: host.map_or("", |(_, value)| value.trim()) }
+    let field = |wanted: &str| {
+        let mut fields = lines.clone().filter_map(|line| line.split_once(':'));
+        fields.find(|(name, _)| name.eq_ignore_ascii_case(wanted)).map_or("", |(_, value)| value.trim())
+    };
+    // Not "gzip;q=0", which refuses it.
+    let takes_gzip = field("accept-encoding").split(',').any(|coding| coding.trim() == "gzip");
+    HttpRequest { method, path, host: field("host"), takes_gzip }
 }
 
 #[cfg(test)]
