@@ -17,8 +17,12 @@ import { UntilLeft } from "./transport";
 /** The example on the stage, as long as it has its name, or that of a copy. */
 export const example = () => EXAMPLES.find(({ name }) => [name, t("{name} (copy)", { name: t(name) })].includes(scene.value.name));
 
-/** The question of the scene on the stage, in words; empty if there is none. */
-export const questionOf = ({ scene: { agents, leaving } }: Film) => example()?.question(agents.length) ?? (leaving > 0 ? t("How long do {n} people need to leave?", { n: leaving }) : "");
+/** The question of the scene in words, also before it is on the stage; empty if there is none. */
+export function questionOf(film: Film | null): string {
+    const { base, motion } = plan.value.made;
+    const n = film?.scene.agents.length ?? (base.kind === "crowd" ? (base.number ?? 0) : 0);
+    return example()?.question(n) ?? (motion.kind === "go" && n > 0 ? t("How long do {n} people need to leave?", { n }) : "");
+}
 
 /** What is asked of the scene on the stage. */
 export function askedOf({ scene: { leaving } }: Film) {

@@ -41,7 +41,7 @@ function Bare() {
     return (
         <header class="bare">
             <h1>{title.value}</h1>
-            {film.value && <p>{questionOf(film.value)}</p>}
+            <p>{questionOf(film.value)}</p>
             <div class="tools">
                 {viewed ? (
                     <Link query="?lab" words={t("Open in the lab")} target={embedded ? "_blank" : undefined} />

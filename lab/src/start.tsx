@@ -1,6 +1,6 @@
 // Where a visit begins: ready scenes, or the user's own files.
 
-import { example } from "./answer";
+import { example, questionOf } from "./answer";
 import { EXAMPLES, type Example } from "./examples";
 import { Keep } from "./kept";
 import { t } from "./language";
@@ -45,7 +45,7 @@ export function StartTab() {
     return (
         <section class="panel" aria-label={t("Start")}>
             {/* Asked of the people that there are now. */}
-            <h2>{here ? asked(here, film.value?.scene.agents.length) : title.value}</h2>
+            <h2>{here ? questionOf(film.value) : title.value}</h2>
             {/* It tells of the example as it is. */}
             {here && !canUndo.value && <p class="note">{here.sentence}</p>}
             <Sliders />
@@ -58,8 +58,8 @@ export function StartTab() {
     );
 }
 
-function asked({ question, made: { base } }: Example, people = base.kind === "crowd" ? (base.number ?? 0) : 0) {
-    return question(people);
+function asked({ question, made: { base } }: Example) {
+    return question(base.kind === "crowd" ? (base.number ?? 0) : 0);
 }
 
 function begin({ name, made }: Example) {

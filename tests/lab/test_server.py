@@ -1,5 +1,6 @@
 """`lemons lab` answers this machine only, and only with files of the lab."""
 
+import gzip
 import http.client
 import resource
 import signal
@@ -31,6 +32,24 @@ def test_only_this_machine_is_answered_and_only_with_files_of_the_lab(url: str) 
     assert ask("/", method="POST").status == 405
     for path in ("/../Cargo.toml", "/binaries/linux64/../../lemons", "//etc/passwd", "/%2e%2e/lemons", "/nothing"):
         assert ask(path).status == 404, path
+
+
+def test_files_come_compressed_where_the_browser_takes_that(url: str) -> None:
+    host = url.removeprefix("http://").rstrip("/")
+
+    def ask(path: str, takes: str) -> tuple[str | None, bytes]:
+        connection = http.client.HTTPConnection(host)
+        connection.request("GET", path, headers={"Host": host, "Accept-Encoding": takes})
+        response = connection.getresponse()
+        content = response.read()
+        assert response.status == 200 and response.headers["Vary"] == "Accept-Encoding" and int(response.headers["Content-Length"]) == len(content)
+        return response.headers["Content-Encoding"], content
+
+    for path, share in (("/lemons_lab.wasm", 0.3), ("/page.js", 0.45), ("/style.css", 0.4)):
+        coding, short = ask(path, "br, gzip, deflate")
+        plain, whole = ask(path, "gzip;q=0, identity")
+        assert (coding, plain) == ("gzip", None) and len(short) < share * len(whole), (path, len(short), len(whole))
+        assert gzip.decompress(short) == whole
 
 
 @pytest.mark.parametrize("most", [16, 24, 40, 80])
