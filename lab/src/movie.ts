@@ -1,20 +1,23 @@
-// A movie of the frames that were computed, recorded by the browser while they are shown.
+// A movie of the frames that were computed, encoded by the browser: each picture at its time, however long it takes.
 
 import type { Film } from "./film";
 import { t } from "./language";
 import { canvas } from "./layout";
 import { compose } from "./picture";
-import { withDuration } from "./webm";
 
-const KINDS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
+/** VP9 in 8 bits, for pictures up to 4096 × 2176. */
+const CODEC = "vp09.00.50.08";
 const BITS_PER_SECOND = 8e6;
+/** Pictures in a second. */
+const RATE = 30;
+/** Pictures that may wait for the encoder, and from one that needs no other to the next. */
+const [WAITING, APART] = [4, 60];
 /** Seconds that the last picture stays, or players would not show it. */
 const STAY = 0.25;
 
-/** Why the browser records no movies; empty if it does. */
+/** Why the browser makes no movies; empty if it does. */
 export function whyNoMovie(): string {
-    if (!("MediaRecorder" in globalThis) || !HTMLCanvasElement.prototype.captureStream) return t("This browser cannot record a canvas.");
-    return KINDS.some((kind) => MediaRecorder.isTypeSupported(kind)) ? "" : t("This browser does not record WebM.");
+    return "VideoEncoder" in globalThis ? "" : t("This browser cannot record a canvas.");
 }
 
 export class Movie {
@@ -32,71 +35,41 @@ export class Movie {
         this.#stopped = true;
     }
 
-    /** Plays all frames once; null if it was stopped. */
+    /** All frames once; null if it was stopped. */
     async record(): Promise<Blob | null> {
-        const { film } = this;
+        const { ArrayBufferTarget, Muxer } = await import("webm-muxer");
+        const { film, pace } = this;
         const picture = document.createElement("canvas");
-        const paint = () => {
+        const end = film.reached.value;
+        const paint = (place: number) => {
+            void film.show(place);
             if (canvas.value) compose(picture, canvas.value, film);
         };
-        void film.show(0);
-        await nextPicture();
-        paint();
-        const stream = picture.captureStream();
-        const recorder = new MediaRecorder(stream, {
-            mimeType: KINDS.find((kind) => MediaRecorder.isTypeSupported(kind)),
-            videoBitsPerSecond: BITS_PER_SECOND,
-        });
-        const parts: Blob[] = [];
-        recorder.ondataavailable = ({ data }) => parts.push(data);
-        const ended = new Promise<void>((done, failed) => {
-            recorder.onstop = () => done();
-            recorder.onerror = () => failed(new Error(t("the browser could not record the movie")));
-        });
-        // No pictures come while the page is hidden.
-        let [recorded, since] = [0, 0];
-        const hidden = () => {
-            if (document.hidden && recorder.state === "recording") {
-                recorder.pause();
-                recorded += performance.now() - since;
-            } else if (!document.hidden && recorder.state === "paused") {
-                recorder.resume();
-                since = performance.now();
-            }
+        paint(0);
+        const { width, height } = picture;
+        const muxer = new Muxer({ target: new ArrayBufferTarget(), video: { codec: "V_VP9", width, height, frameRate: RATE } });
+        let failed: Error | null = null;
+        const encoder = new VideoEncoder({ output: (chunk, meta) => muxer.addVideoChunk(chunk, meta), error: (error) => (failed = error) });
+        encoder.configure({ codec: CODEC, width, height, bitrate: BITS_PER_SECOND, framerate: RATE });
+        const encode = (seconds: number, keyFrame: boolean) => {
+            const frame = new VideoFrame(picture, { timestamp: 1e6 * seconds });
+            encoder.encode(frame, { keyFrame });
+            frame.close();
         };
-        document.addEventListener("visibilitychange", hidden);
-        recorder.start(1000);
-        since = performance.now();
-        try {
-            await this.#play(paint);
-            if (!this.#stopped) await new Promise((done) => setTimeout(done, 1000 * STAY));
-        } finally {
-            document.removeEventListener("visibilitychange", hidden);
-            if (recorder.state === "recording") recorded += performance.now() - since;
-            if (recorder.state !== "inactive") recorder.stop();
-            for (const track of stream.getTracks()) track.stop();
+        for (let [k, place] = [0, -1]; place < end; k++) {
+            place = Math.min(end, (k * pace) / RATE / film.scene.step);
+            paint(place);
+            encode(k / RATE, k % APART === 0);
+            if (place === end) encode(k / RATE + STAY, false);
+            this.tell(place / end);
+            // The page is heard meanwhile.
+            do await new Promise((done) => setTimeout(done));
+            while (encoder.encodeQueueSize > WAITING);
+            if (failed) throw failed;
+            if (this.#stopped || film.over) return null;
         }
-        await ended;
-        return this.#stopped || this.film.over ? null : withDuration(new Blob(parts, { type: "video/webm" }), recorded / 1000);
+        await encoder.flush();
+        muxer.finalize();
+        return new Blob([muxer.target.buffer], { type: "video/webm" });
     }
-
-    async #play(paint: () => void) {
-        const { film, pace } = this;
-        const end = film.reached.value;
-        let place = 0;
-        let before = await nextPicture();
-        while (!this.#stopped && !film.over && place < end) {
-            const now = await nextPicture();
-            // After a pause, it goes on where it was.
-            place = Math.min(end, place + (Math.min(0.25, (now - before) / 1000) * pace) / film.scene.step);
-            before = now;
-            void film.show(place);
-            paint();
-            this.tell(end ? place / end : 1);
-        }
-    }
-}
-
-function nextPicture() {
-    return new Promise<number>((done) => requestAnimationFrame(done));
 }

@@ -191,7 +191,7 @@ export function TakeTab({ film }: { film: Film }) {
                     record,
                     film.reached.value < 1
                         ? t("All frames up to the last one that was shown, as the stage shows them. Play the run first.")
-                        : t("All frames up to the last one that was shown or asked for, as the stage shows them: {seconds} s at the pace {pace} ×. It takes as long as it lasts. Browsers, VLC and ffmpeg read it.", { seconds: digits(seconds, 2), pace: plan.value.pace }),
+                        : t("All frames up to the last one that was shown or asked for, as the stage shows them: {seconds} s at the pace {pace} ×. Browsers, VLC and ffmpeg read it.", { seconds: digits(seconds, 2), pace: plan.value.pace }),
                     film.reached.value < 1 ? "" : noMovie,
                 )}
             </ul>

@@ -40,7 +40,7 @@ def test_a_movie_lasts_as_long_as_the_run(page: Page, tmp_path: Path) -> None:
     tab(page, "Take away")
     page.get_by_label("Pace").select_option(label="0.1 ×")
     page.get_by_role("button", name="Movie (WebM)").click()
-    # At this pace it takes six seconds; it can be stopped.
+    # At this pace it has six seconds; it can be stopped.
     page.get_by_label("Take away").get_by_role("button", name="Stop").click()
     expect(page.get_by_text("Stopped.")).to_be_visible()
     page.get_by_label("Pace").select_option(label="0.5 ×")
@@ -66,10 +66,9 @@ def test_a_movie_lasts_as_long_as_the_run(page: Page, tmp_path: Path) -> None:
     assert kinds[DOC_TYPE] == "webm" and kinds[CODEC] in ("V_VP8", "V_VP9")
     box = page.locator("canvas").first.bounding_box()
     assert box and sizes[WIDTH] >= 0.9 * box["width"] and sizes[HEIGHT] >= 0.9 * box["height"], (sizes, box)
-    # More pictures than a slide show, in order. A slow machine takes longer, never less.
-    assert len(times) > 10 and times == sorted(times) and times[-1] - times[0] > 1.1, times
-    # Recorders write none: players could not seek.
-    assert abs(duration * scale / 1e9 - times[-1]) < 1, (duration, scale, times)
+    # Thirty pictures a second, however slow the machine is; the last one stays.
+    assert len(times) > 36 and all(abs(time - k / 30) < 1e-3 for k, time in enumerate(times[:-1])), times
+    assert abs(duration * scale / 1e9 - times[-2] - 0.25) < 2e-3, (duration, scale, times)
 
 
 def test_a_long_table_is_stopped_and_the_page_goes_on(page: Page, tmp_path: Path) -> None:
