@@ -57,6 +57,8 @@ export class ByPlace {
         readonly quantity: "density" | "squeeze",
         /** The run, if the lab of this client knows it by another number. */
         readonly run = film.scene.run,
+        /** In s: no further than a run that it is compared with. */
+        readonly until = () => Infinity,
     ) {}
 
     /** Frames that are wanted and there; those of squeeze have steps before them. */
@@ -64,7 +66,7 @@ export class ByPlace {
         const { step } = this.film.scene;
         const [from, to] = this.#wanted;
         const first = Math.max(this.quantity === "density" ? 0 : 1, Math.ceil((from ?? 0) / step - 1e-6));
-        const last = Math.min(this.film.frames.count - 1, to === null ? Infinity : Math.floor(to / step + 1e-6));
+        const last = Math.min(this.film.frames.count - 1, Math.floor(Math.min(to ?? Infinity, this.until()) / step + 1e-6));
         return [first, last];
     }
 

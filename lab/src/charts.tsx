@@ -9,6 +9,7 @@ import { averaged, meanWords } from "./colour";
 import type { Film } from "./film";
 import { Flow } from "./flow";
 import { SQUEEZE } from "./frames";
+import { beside } from "./kept";
 import { count, local, t } from "./language";
 import { Choice, digits, named } from "./parts";
 import { change, type Plan, plan } from "./plan";
@@ -93,6 +94,14 @@ export function Charts({ film }: { film: Film }) {
         return (k: number) => numbers[k]!;
     };
     const left = of("left");
+    const other = beside.value;
+    /** The same of the run that is kept, at the same times. */
+    const ofKept = (row: (run: Film) => ArrayLike<number>, kind: "mean" | "greatest", counts = false): [Line, (k: number) => number, typeof kind][] => {
+        if (!other) return [];
+        const [numbers, gone] = [row(other), other.frames.curve("left")];
+        const at = (k: number) => Math.round((k * scene.step) / other.scene.step);
+        return [[{ label: t("The run that is kept"), colour: "--four" }, (k) => (counts || gone[at(k)]! < other.scene.agents.length ? (numbers[at(k)] ?? NaN) : NaN), kind]];
+    };
     /** Nothing of nobody. */
     const ofThose = (value: (k: number) => number) => (k: number) => (left(k) < scene.agents.length ? value(k) : NaN);
     /** Of all the greatest mean of a force, and that of who is selected. */
@@ -100,6 +109,7 @@ export function Charts({ film }: { film: Film }) {
         const most = frames.greatestMean(last, column);
         return curves(title, "N", 0, [
             [{ label: t("Of all"), colour: "--two" }, ofThose((k) => most[k]!), "greatest"],
+            ...(column === CHEST && !other?.scene.chests ? [] : ofKept((run) => run.frames.greatestMean(averaged(run), column), "greatest")),
             ...(agent === null ? [] : [[{ label: name, colour: "--three" }, force(column), "greatest"] as [Line, (k: number) => number, "greatest"]]),
         ]);
     };
@@ -107,12 +117,13 @@ export function Charts({ film }: { film: Film }) {
         speed: () =>
             curves(t("Speed"), "m/s", 2, [
                 [{ label: t("Mean of all"), colour: "--one" }, ofThose(of("speed")), "mean"],
+                ...ofKept((run) => run.frames.curve("speed"), "mean"),
                 ...(agent === null ? [] : [[{ label: name, colour: "--three" }, speed, "mean"] as [Line, typeof speed, "mean"]]),
             ]),
-        mean: () => curves(t("Mean squeeze"), "N", 0, [[{ label: t("Of all"), colour: "--one" }, ofThose(of("squeeze")), "mean"]]),
+        mean: () => curves(t("Mean squeeze"), "N", 0, [[{ label: t("Of all"), colour: "--one" }, ofThose(of("squeeze")), "mean"], ...ofKept((run) => run.frames.curve("squeeze"), "mean")]),
         greatest: () => greatest(t("Greatest squeeze ({mean})", { mean: meanWords(film) }), SQUEEZE),
         chest: () => scene.chests && greatest(t("Greatest load on a chest ({mean})", { mean: meanWords(film) }), CHEST),
-        left: () => scene.leaving > 0 && curves(t("Have left"), t("people"), 0, [[{ label: t("People"), colour: "--one" }, left, "greatest"]]),
+        left: () => scene.leaving > 0 && curves(t("Have left"), t("people"), 0, [[{ label: t("People"), colour: "--one" }, left, "greatest"], ...ofKept((run) => run.frames.curve("left"), "greatest", true)]),
         density: () => area && inside && (
             <>
                 {curves(t("In the area"), t("per m²"), 2, [[{ label: t("People"), colour: "--one" }, (k) => inside.counts[k]! / inside.size, "mean"]])}

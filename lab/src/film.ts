@@ -48,8 +48,10 @@ export class Film {
     #old = false;
     #generation: number;
 
+    #run: number;
+
     constructor(
-        readonly client: Client,
+        public client: Client,
         readonly scene: Scene,
         /** What the scene was made of. What is wanted may have changed since. */
         readonly made: Made,
@@ -59,6 +61,7 @@ export class Film {
         this.frames = new Frames(scene.agents.length, scene.further);
         this.frames.add(new Float64Array(first), 1);
         this.#generation = client.generation;
+        this.#run = scene.run;
         this.#look();
     }
 
@@ -125,7 +128,7 @@ export class Film {
         const most = Math.max(1, Math.floor(ANSWER / Math.max(this.cost.value, 1e-4)));
         const steps = Math.max(1, Math.min(most, wanted - this.frames.count, 1000));
         try {
-            const { value, bytes, seconds } = await this.client.ask<Advanced>({ ask: "advance", run: this.scene.run, steps });
+            const { value, bytes, seconds } = await this.client.ask<Advanced>({ ask: "advance", run: this.#run, steps });
             if (this.over) return;
             this.frames.add(new Float64Array(bytes), steps);
             this.overlaps.push(...value.overlaps);
@@ -185,6 +188,15 @@ export class Film {
         await this.#compute();
         // Unless another place was asked for meanwhile.
         if (this.#sought === place && !this.playing.value) this.#go(place);
+    }
+
+    /** Another worker, whose run of this scene is at its start, computes what is not there yet, until all have left or up to a time
+     * in s. That is not asked for: tables and movies do not end there. */
+    async goOn(client: Client, run: number, seconds: number) {
+        for (let behind = this.frames.count - 1; behind > 0; behind -= 1000) await client.ask({ ask: "advance", run, steps: Math.min(behind, 1000) });
+        [this.client, this.#run, this.#generation, this.#old] = [client, run, client.generation, false];
+        const last = Math.min(Math.round(seconds / this.scene.step) + 1, this.most);
+        while (this.emptied.value === null && this.frames.count < last && !this.over && !this.failed.value) await this.#ask(last);
     }
 
     /** Another film takes its place. */

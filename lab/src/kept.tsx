@@ -1,6 +1,6 @@
 // Side by side: a run that is kept beside the one that is changed, with the same clock.
 
-import { effect, signal } from "@preact/signals";
+import { computed, effect, signal, untracked } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { leftWords } from "./answer";
 import { ByPlace, byPlace, mapKind } from "./byplace";
@@ -22,6 +22,7 @@ import type { Opened } from "./protocol";
 import { heightOf, sceneAt } from "./sections";
 import { film, sent } from "./session";
 import { walkingSeed } from "./sweep";
+import { BOUND } from "./transport";
 import type { View } from "./view";
 
 /** The run, and facts of its scene. */
@@ -32,6 +33,19 @@ effect(() => {
     const now = film.value;
     const other = kept.value?.film;
     if (now) now.least = other ? Math.round(((other.emptied.value ?? 0) * other.scene.step) / now.scene.step) : 0;
+});
+
+/** The run that is kept, once another one is on the stage. */
+export const beside = computed(() => (film.value && film.value !== kept.value?.film ? (kept.value?.film ?? null) : null));
+
+// The page's worker has another scene now: one of its own computes the rest of it.
+effect(() => {
+    const run = beside.value;
+    if (!run) return;
+    const client = new Client();
+    const rest = async () => run.goOn(client, await shownTo(client, run), run.scene.leaving > 0 ? BOUND : plan.peek().end);
+    untracked(() => void rest().catch(() => {}));
+    return () => client.close("stopped");
 });
 
 /** What a scene was made of, in a few words each. */
@@ -111,10 +125,11 @@ function useMap() {
     useEffect(() => {
         if (!quantity) return;
         const client = new Client();
-        const begun = shownTo(client, run).then((number) => void (map.value = new ByPlace(client, run, quantity, number)));
+        const until = () => (film.value ? (film.value.computed.value - 1) * film.value.scene.step : 0);
+        const begun = shownTo(client, run).then((number) => void (map.value = new ByPlace(client, run, quantity, number, until)));
         // The picture is then without a map.
         begun.catch((error: Error) => error instanceof Stopped || (refused.value = error.message));
-        const follow = effect(() => void map.value?.follow((void plan.value.smooth, void run.computed.value, plan.value.span)));
+        const follow = effect(() => void map.value?.follow((void plan.value.smooth, void run.computed.value, void until(), plan.value.span)));
         // Both have the colours of the greatest value of both.
         const together = effect(() => {
             if (byPlace.value) byPlace.value.beside.value = map.value;
@@ -197,7 +212,7 @@ export function Now({ film: run, of }: { film: Film; of: Film }) {
     const squeezes = run.frames.greatestMean(averaged(run)).subarray(0, k + 1);
     const most = digits(squeezes.reduce((one, other) => Math.max(one, other), 0), 3);
     const words = [
-        wanted > run.frames.count - 1 && t("(only computed up to {end} s)", { end: fixed((run.frames.count - 1) * step, 1) }),
+        !over && wanted > run.frames.count - 1 && t("(only computed up to {end} s)", { end: fixed((run.frames.count - 1) * step, 1) }),
         leaving > 0 && leftWords(run, k),
         over ? t("Greatest squeeze so far: {most} N", { most }) : t("Greatest squeeze: {now} N, so far {most} N", { now: digits(squeezes[k]!, 3), most }),
     ];

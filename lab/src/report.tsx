@@ -30,18 +30,18 @@ effect(() => {
     report.value = null;
 });
 
-/** Asks for the report up to the last frame that was shown or asked for; the run is made again. */
-async function told(film: Film, client: Client, run: number): Promise<Told> {
+/** Asks for the report up to the last frame that was shown or asked for, of one of these runs; the run is made again. */
+async function told(client: Client, run: number, ...films: Film[]): Promise<Told> {
     const { force, seconds } = plan.value.limit;
-    return (await client.ask<Told>({ ask: "report", run, until: film.reached.peek() * film.scene.step, limit: [force, seconds] })).value;
+    return (await client.ask<Told>({ ask: "report", run, until: Math.max(...films.map(({ reached, scene }) => reached.peek() * scene.step)), limit: [force, seconds] })).value;
 }
 
 export async function makeReport(now: Film) {
-    const own = await told(now, now.client, now.scene.run);
+    const own = await told(now.client, now.scene.run, now);
     const run = kept.value?.film;
     const client = run && run !== now ? new Client() : null;
     try {
-        const other = client && (await told(run!, client, await shownTo(client, run!)));
+        const other = client && (await told(client, await shownTo(client, run!), run!, now));
         if (!now.over) report.value = { own, other };
     } finally {
         client?.close("it has told");
@@ -125,7 +125,13 @@ function Compared({ own, other }: { own: Told; other: Told }) {
     const [mine, theirs] = [results(own), results(other)];
     const rows = [[t("What is different"), difference() || "–", differing(kept.value?.facts ?? [], facts()) || "–"]];
     for (const name of new Set([...mine.keys(), ...theirs.keys()])) rows.push([name, mine.get(name) ?? "–", theirs.get(name) ?? "–"]);
-    return <Table caption="" head={["", t("This run"), t("The run that is kept")]} rows={rows} numbers={[]} />;
+    const pictures = other.sections.flatMap(({ blocks }) => blocks.filter((block) => block.kind === "picture"));
+    return (
+        <>
+            <Table caption="" head={["", t("This run"), t("The run that is kept")]} rows={rows} numbers={[]} />
+            {pictures.map(({ svg, caption }) => <Picture key={caption.text} svg={svg} words={about(t("The run that is kept"), inWords(caption))} />)}
+        </>
+    );
 }
 
 function Table({ caption, head, rows, numbers }: { caption: string; head: string[]; rows: string[][]; numbers: boolean[] }) {

@@ -177,7 +177,9 @@ export function quantile(sorted: number[], share: number): number {
     return low + (at - Math.floor(at)) * (sorted[Math.ceil(at)]! - low);
 }
 
-export const QUANTILES = [0.1, 0.5, 0.9] as const;
+const QUANTILES: readonly number[] = [0.1, 0.5, 0.9];
+/** What is shown of so many runs of a value: of few, outer quantiles would say more than is known. */
+export const sharesOf = (runs: number) => (runs < 10 ? [0, 0.5, 1] : QUANTILES);
 
 export interface Row {
     value: number;
@@ -197,11 +199,11 @@ export function rows({ runs }: Sweep, measure: Measure): Row[] {
 
 /** Quantiles of the runs with a value: not a number where no run has the measure. Whoever is still there leaves later than the
  * end, if ever: such a quantile is infinite. */
-export function quantiles({ runs, numbers }: Row, measure: Measure): number[] {
+export function quantiles({ runs, numbers }: Row, measure: Measure, shares = QUANTILES): number[] {
     const later = measure === "all_left" ? Array<number>(runs.length - numbers.length).fill(Infinity) : [];
     const all = [...numbers, ...later];
-    if (all.length === 0) return QUANTILES.map(() => NaN);
-    return QUANTILES.map((share) => (all[Math.ceil(share * (all.length - 1))] === Infinity ? Infinity : quantile(all, share)));
+    if (all.length === 0) return shares.map(() => NaN);
+    return shares.map((share) => (all[Math.ceil(share * (all.length - 1))] === Infinity ? Infinity : quantile(all, share)));
 }
 
 const KEYS = Object.keys(MEASURES) as Measure[];

@@ -3,13 +3,14 @@
 import { batch } from "@preact/signals";
 import { saveTable } from "./csv";
 import { MOST } from "./forms";
+import { kept } from "./kept";
 import { about, local, t } from "./language";
 import { Button, Choice, digits, NumberField } from "./parts";
 import { change, crowdOf, type Made, type Plan, plan } from "./plan";
 import { open } from "./scenes";
 import { film } from "./session";
 import { type Parameter, parameters } from "./sliders";
-import { begin, type Measure, MEASURES, MOST_RUNS, quantile, QUANTILES, quantiles, quantilesCsv, type Row, rows, type Run, runsCsv, stop, type Sweep, sweep, walkingSeed } from "./sweep";
+import { begin, type Measure, MEASURES, MOST_RUNS, quantile, quantiles, quantilesCsv, type Row, rows, type Run, runsCsv, sharesOf, stop, type Sweep, sweep, walkingSeed } from "./sweep";
 
 /** In s: so long people may need to leave. */
 const PATIENCE = 120;
@@ -29,7 +30,7 @@ export function SweepForm() {
     // Of another parameter the values are no values of this one.
     const text = (parameter.label === form.parameter ? form.values : null) ?? proposal(parameter);
     const [values, wrong] = parsed(text, parameter, seeds);
-    const until = form.until ?? (film.value.scene.leaving > 0 ? Math.max(PATIENCE, end) : end);
+    const until = form.until ?? (film.value.scene.leaving > 0 ? Math.max(PATIENCE, end, longest()) : end);
     const now = sweep.value;
     const running = now !== null && !now.stopped && now.runs.length + now.failed.length < now.wanted;
     const start = () => {
@@ -76,6 +77,13 @@ export function SweepForm() {
 
 const named = (name: string, unit: string) => (unit ? `${name} [${unit}]` : name);
 const unitWords = (unit: string) => (unit === "people" ? t("people") : unit);
+
+/** Twice the time of the longest run of those that were seen and that all have left, in tens of s: other values may need more. */
+function longest(): number {
+    const seen = [film.value, kept.value?.film].map((run) => (run?.emptied.value ?? 0) * (run?.scene.step ?? 0));
+    const swept = sweep.value?.runs.map(({ measures }) => measures.all_left || 0) ?? [];
+    return 10 * Math.ceil(Math.max(...seen, ...swept) / 5);
+}
 
 /** The seeds that the runs of each value have. */
 function seedWords({ base, motion }: Made, runs: number): string {
@@ -170,6 +178,9 @@ export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measur
     const { label, unit } = of.parameter;
     const [words, unitOf] = MEASURES[measure];
     const stayed = measure === "all_left" ? of.runs.filter(({ measures }) => Number.isNaN(measures.all_left)).length : 0;
+    const found = rows(of, measure);
+    const shares = sharesOf(Math.max(0, ...found.map(({ runs }) => runs.length)));
+    const names: Record<number, string> = { 0: t("least"), 1: t("greatest") };
     const shown = (number: number) => (Number.isNaN(number) ? "–" : number === Infinity ? `> ${local(of.until)}` : digits(number, 3));
     return (
         <>
@@ -184,15 +195,15 @@ export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measur
                     <tr>
                         <th scope="col">{named(t(label), unit)}</th>
                         <th scope="col">{t("runs")}</th>
-                        {QUANTILES.map((share) => (
+                        {shares.map((share) => (
                             <th key={share} scope="col">
-                                {100 * share} %
+                                {names[share] ?? `${100 * share} %`}
                             </th>
                         ))}
                     </tr>
                 </thead>
                 <tbody>
-                    {rows(of, measure).map((row) => {
+                    {found.map((row) => {
                         const { value, runs, numbers } = row;
                         return (
                             <tr key={value}>
@@ -204,7 +215,7 @@ export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measur
                                     )}
                                 </th>
                                 <td>{numbers.length === runs.length ? runs.length : t("{n} of {n2}", { n: numbers.length, n2: runs.length })}</td>
-                                {quantiles(row, measure).map((number, k) => (
+                                {quantiles(row, measure, shares).map((number, k) => (
                                     <td key={k}>{shown(number)}</td>
                                 ))}
                             </tr>
@@ -227,11 +238,12 @@ function Chart({ found, measure, words, onShow }: { found: Row[]; measure: Measu
     const x = (value: number) => (last > first ? LEFT + 12 + ((WIDE - LEFT - 24) * (value - first)) / (last - first) : (WIDE + LEFT) / 2);
     const y = (number: number) => HIGH - LOW - ((HIGH - LOW - 8) * number) / most;
     const measured = found.filter(({ numbers }) => numbers.length > 0);
+    const [low, middle, high] = sharesOf(Math.max(...found.map(({ runs }) => runs.length))) as [number, number, number];
     const line = (share: number) => measured.map(({ value, numbers }) => `${x(value)},${y(quantile(numbers, share))}`);
     return (
         <svg class="runs" viewBox={`0 0 ${WIDE} ${HIGH}`} role="img" aria-label={words}>
-            <polygon points={[...line(QUANTILES[0]), ...line(QUANTILES[2]).reverse()].join(" ")} class="band" />
-            <polyline points={line(0.5).join(" ")} class="median" />
+            <polygon points={[...line(low), ...line(high).reverse()].join(" ")} class="band" />
+            <polyline points={line(middle).join(" ")} class="median" />
             {[0, most / 2.1, most / 1.05].map((number) => (
                 <g key={number}>
                     <line x1={LEFT} x2={WIDE} y1={y(number)} y2={y(number)} class="grid" />

@@ -49,7 +49,7 @@ export function lastOf(film: Film): number {
 }
 
 /** In s: a run in which somebody is stuck would go on for ever. */
-const BOUND = 600;
+export const BOUND = 600;
 
 /** Computes until all have left, or stops it. */
 export function UntilLeft({ film }: { film: Film }) {

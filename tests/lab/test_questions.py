@@ -187,7 +187,7 @@ def test_two_widths_side_by_side_have_the_numbers_of_the_command(page: Page, tmp
     assert 0 < left[0] < left[1]
     for count in left:
         expect(page.get_by_text(f"{count} of 70 have left. Greatest squeeze")).to_be_visible()
-    beside = page.get_by_role("img", name="The run that is kept")
+    beside = page.locator(".beside").get_by_role("img", name="The run that is kept")
     expect(beside).to_be_visible()
     # Both show the same part of the room, also after a zoom of one of them.
     page.get_by_role("combobox", name="Map").select_option(label="Density")
@@ -231,8 +231,30 @@ def test_both_runs_go_on_to_the_later_end(page: Page) -> None:
     expect(page.get_by_text(re.compile(r"^2.5 m/s. All 5 have left after [\d.]+ s. Greatest squeeze so far: \d+ N"))).to_be_visible()
     expect(page.get_by_role("button", name="Play")).to_be_visible()
     assert seconds(page) == end
-    # Nobody is squeezed any more.
-    expect(page.locator(".chart .number")).to_have_text("–")
+    # Nobody is squeezed any more, in none of both.
+    expect(page.locator(".chart .number")).to_have_text(["–", "–"])
+
+
+def test_the_run_that_is_kept_is_computed_to_its_end(page: Page) -> None:
+    """Also where it was kept before that; its curve lies beside the other one, and the report has both."""
+    example(page, "The door", 70)
+    slide(page, "People", 12)
+    people(page, 12)
+    page.get_by_role("button", name="Pause").click()
+    page.get_by_role("combobox", name="Chart").select_option("left")
+    show_at(page, 0.5)
+    page.get_by_role("button", name="Keep this run to compare").click()
+    slide(page, "Width of the door", 2)
+    becomes(page, lambda: plan(page)["made"]["base"]["room"]["doors"][0]["width"], 2)
+    show_at(page, 40)
+    expect(page.get_by_text(re.compile(r"^Kept: door 0.9 m. All 12 have left after [\d.]+ s"))).to_be_visible()
+    expect(page.locator(".chart .line")).to_have_text([re.compile("People 12"), re.compile("The run that is kept (12|–)")])
+    tab(page, "Take away")
+    page.get_by_role("button", name="Report to print").click()
+    report = page.get_by_role("main", name="Report")
+    expect(report.get_by_role("row", name="People who have left 12 12", exact=True)).to_be_visible()
+    own, other = report.locator("figcaption"), report.locator("figcaption", has_text="The run that is kept: ")
+    assert 2 * other.count() == own.count() > 0
 
 
 def test_who_is_put_into_the_crowd_stays_there(page: Page) -> None:
