@@ -20,56 +20,40 @@ export function whyNoMovie(): string {
     return "VideoEncoder" in globalThis ? "" : t("This browser cannot record a canvas.");
 }
 
-export class Movie {
-    #stopped = false;
-
-    constructor(
-        readonly film: Film,
-        /** Simulated seconds in a second. */
-        readonly pace: number,
-        /** Is told which share is recorded. */
-        readonly tell: (share: number) => void,
-    ) {}
-
-    stop() {
-        this.#stopped = true;
+/** All frames once, so many simulated seconds in a second; null if it was stopped. `tell` hears which share is there. */
+export async function movie(film: Film, pace: number, tell: (share: number) => void, stop: AbortSignal): Promise<Blob | null> {
+    const { ArrayBufferTarget, Muxer } = await import("webm-muxer");
+    const picture = document.createElement("canvas");
+    const end = film.reached.value;
+    const paint = (place: number) => {
+        void film.show(place);
+        if (canvas.value) compose(picture, canvas.value, film);
+    };
+    paint(0);
+    const { width, height } = picture;
+    const muxer = new Muxer({ target: new ArrayBufferTarget(), video: { codec: "V_VP9", width, height, frameRate: RATE } });
+    let failed: Error | null = null;
+    const encoder = new VideoEncoder({ output: (chunk, meta) => muxer.addVideoChunk(chunk, meta), error: (error) => (failed = error) });
+    encoder.configure({ codec: CODEC, width, height, bitrate: BITS_PER_SECOND, framerate: RATE });
+    const encode = (seconds: number, keyFrame: boolean) => {
+        const frame = new VideoFrame(picture, { timestamp: 1e6 * seconds });
+        encoder.encode(frame, { keyFrame });
+        frame.close();
+    };
+    for (let [k, place] = [0, -1]; place < end; k++) {
+        place = Math.min(end, (k * pace) / RATE / film.scene.step);
+        paint(place);
+        encode(k / RATE, k % APART === 0);
+        if (place === end) encode(k / RATE + STAY, false);
+        tell(place / end);
+        // The page is heard meanwhile.
+        do await new Promise((done) => setTimeout(done));
+        while (encoder.encodeQueueSize > WAITING);
+        if (failed) throw failed;
+        if (stop.aborted || film.over) break;
     }
-
-    /** All frames once; null if it was stopped. */
-    async record(): Promise<Blob | null> {
-        const { ArrayBufferTarget, Muxer } = await import("webm-muxer");
-        const { film, pace } = this;
-        const picture = document.createElement("canvas");
-        const end = film.reached.value;
-        const paint = (place: number) => {
-            void film.show(place);
-            if (canvas.value) compose(picture, canvas.value, film);
-        };
-        paint(0);
-        const { width, height } = picture;
-        const muxer = new Muxer({ target: new ArrayBufferTarget(), video: { codec: "V_VP9", width, height, frameRate: RATE } });
-        let failed: Error | null = null;
-        const encoder = new VideoEncoder({ output: (chunk, meta) => muxer.addVideoChunk(chunk, meta), error: (error) => (failed = error) });
-        encoder.configure({ codec: CODEC, width, height, bitrate: BITS_PER_SECOND, framerate: RATE });
-        const encode = (seconds: number, keyFrame: boolean) => {
-            const frame = new VideoFrame(picture, { timestamp: 1e6 * seconds });
-            encoder.encode(frame, { keyFrame });
-            frame.close();
-        };
-        for (let [k, place] = [0, -1]; place < end; k++) {
-            place = Math.min(end, (k * pace) / RATE / film.scene.step);
-            paint(place);
-            encode(k / RATE, k % APART === 0);
-            if (place === end) encode(k / RATE + STAY, false);
-            this.tell(place / end);
-            // The page is heard meanwhile.
-            do await new Promise((done) => setTimeout(done));
-            while (encoder.encodeQueueSize > WAITING);
-            if (failed) throw failed;
-            if (this.#stopped || film.over) return null;
-        }
-        await encoder.flush();
-        muxer.finalize();
-        return new Blob([muxer.target.buffer], { type: "video/webm" });
-    }
+    await encoder.flush();
+    encoder.close();
+    muxer.finalize();
+    return stop.aborted || film.over ? null : new Blob([muxer.target.buffer], { type: "video/webm" });
 }

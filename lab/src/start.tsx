@@ -29,7 +29,7 @@ export function StartTab() {
                     <Sketch base={one.made.base} />
                     <strong>{t(one.name)}</strong>
                     <span>
-                        {asked(one)} {one.sentence}
+                        {one.question(one.made.base.kind === "crowd" ? (one.made.base.number ?? 0) : 0)} {one.sentence}
                     </span>
                 </button>
             ))}
@@ -56,10 +56,6 @@ export function StartTab() {
             {more ? further : <details><summary>{t("Other questions, and your scenes")}</summary>{further}</details>}
         </section>
     );
-}
-
-function asked({ question, made: { base } }: Example) {
-    return question(base.kind === "crowd" ? (base.number ?? 0) : 0);
 }
 
 function begin({ name, made }: Example) {

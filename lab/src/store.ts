@@ -51,7 +51,7 @@ export async function remove(key: string) {
     await Promise.all([files, former].map((store) => del(key, store))).catch(() => {});
 }
 
-/** Several files one after the other, as a request holds them. */
-export async function joined(files: File[]): Promise<Uint8Array> {
-    return new Uint8Array(await new Blob(files).arrayBuffer());
+/** Several contents one after the other, as a request holds them. */
+export async function joined(parts: BlobPart[]): Promise<Uint8Array> {
+    return new Uint8Array(await new Blob(parts).arrayBuffer());
 }

@@ -207,7 +207,7 @@ export function quantiles({ runs, numbers }: Row, measure: Measure, shares = QUA
 }
 
 const KEYS = Object.keys(MEASURES) as Measure[];
-const named = (name: string, unit: string) => (unit ? `${name} [${unit}]` : name);
+export const named = (name: string, unit: string) => (unit ? `${name} [${unit}]` : name);
 
 /** All runs as a table. */
 export function runsCsv({ runs, parameter }: Sweep): string {

@@ -10,7 +10,7 @@ import { change, crowdOf, type Made, type Plan, plan } from "./plan";
 import { open } from "./scenes";
 import { film } from "./session";
 import { type Parameter, parameters } from "./sliders";
-import { begin, type Measure, MEASURES, MOST_RUNS, quantile, quantiles, quantilesCsv, type Row, rows, type Run, runsCsv, sharesOf, stop, type Sweep, sweep, walkingSeed } from "./sweep";
+import { begin, type Measure, MEASURES, MOST_RUNS, named, quantile, quantiles, quantilesCsv, type Row, rows, type Run, runsCsv, sharesOf, stop, type Sweep, sweep, walkingSeed } from "./sweep";
 
 /** In s: so long people may need to leave. */
 const PATIENCE = 120;
@@ -75,7 +75,6 @@ export function SweepForm() {
     );
 }
 
-const named = (name: string, unit: string) => (unit ? `${name} [${unit}]` : name);
 const unitWords = (unit: string) => (unit === "people" ? t("people") : unit);
 
 /** Twice the time of the longest run of those that were seen and that all have left, in tens of s: other values may need more. */

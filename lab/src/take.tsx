@@ -9,7 +9,7 @@ import { colourOf, isForce, scaleOf, values } from "./colour";
 import type { Film } from "./film";
 import { about, count, rich, t } from "./language";
 import { canvas } from "./layout";
-import { Movie, whyNoMovie } from "./movie";
+import { movie, whyNoMovie } from "./movie";
 import { curvesCsv, leavingCsv, origin, perExit, saveOfRun, saveTable } from "./csv";
 import { attribute, Button, copy, digits, named, NumberField, save } from "./parts";
 import { compose, png } from "./picture";
@@ -18,33 +18,20 @@ import type { FileRequest, NamedFile } from "./protocol";
 import { makeReport } from "./report";
 import { heightOf } from "./sections";
 import { client, said, selected } from "./session";
-
-function joined(parts: Uint8Array[]): Uint8Array {
-    const all = new Uint8Array(parts.reduce((sum, part) => sum + part.length, 0));
-    let at = 0;
-    for (const part of parts) {
-        all.set(part, at);
-        at += part.length;
-    }
-    return all;
-}
+import { joined } from "./store";
 
 /** The libraries that this lab packs into FMUs, and their licences. */
-async function libraries(): Promise<[string, Uint8Array][]> {
+async function libraries(): Promise<[string, Uint8Array<ArrayBuffer>][]> {
     const list = await fetch("binaries.json");
     if (!list.ok) throw new Error(t("this lab was built without libraries for FMUs (lab/build.sh says how)"));
     const names = (await list.json()) as Record<string, string>;
     return Promise.all(
-        Object.entries(names).map(async ([platform, file]): Promise<[string, Uint8Array]> => {
+        Object.entries(names).map(async ([platform, file]): Promise<[string, Uint8Array<ArrayBuffer>]> => {
             const library = await fetch(file);
             if (!library.ok) throw new Error(t("the library for {platform} is missing here", { platform }));
             return [platform, new Uint8Array(await library.arrayBuffer())];
         }),
     );
-}
-
-function bytesOf(numbers: Float64Array) {
-    return new Uint8Array(numbers.slice().buffer);
 }
 
 export function TakeTab({ film }: { film: Film }) {
@@ -53,11 +40,11 @@ export function TakeTab({ film }: { film: Film }) {
     const recorded = useSignal<number | null>(null);
     const problem = useSignal("");
     const until = useSignal<number | null>(null);
-    const movie = useRef<Movie | null>(null);
+    const recording = useRef<AbortController | null>(null);
     useEffect(() => {
         until.value = null;
         // A movie is of what the stage shows: it ends where that is left.
-        return () => movie.current?.stop();
+        return () => recording.current?.abort();
     }, [film]);
     const { scene } = film;
     const run = scene.run;
@@ -89,14 +76,14 @@ export function TakeTab({ film }: { film: Film }) {
     const fmu = async (version: 2 | 3) => {
         const files = await libraries();
         const binaries = files.map(([platform, content]) => [platform, content.length] as [string, number]);
-        return take({ file: "fmu", version, binaries }, joined(files.map(([, content]) => content)), (name) => name.replace(/\.fmu$/, `-fmi${version}.fmu`));
+        return take({ file: "fmu", version, binaries }, await joined(files.map(([, content]) => content)), (name) => name.replace(/\.fmu$/, `-fmi${version}.fmu`));
     };
-    const svg = () => {
+    const svg = async () => {
         const { low, high, largest, label, unit, kinds } = scaleOf(film, plan.value.colour);
         const k = film.shown.peek();
         const height = heightOf(film) ?? undefined;
         const wanted: FileRequest = { file: "svg", range: [low, high], beyond: largest > high, from_grey: isForce(colourOf(film, plan.value.colour)), label, unit, time: k * scene.step, forces: plan.value.forces && height === undefined, height, by_kind: kinds !== undefined };
-        return take(wanted, joined([shown(), bytesOf(values(film, k, plan.value.colour))]), timed);
+        return take(wanted, await joined([shown(), values(film, k, plan.value.colour).slice()]), timed);
     };
     const picture = async () => {
         const from = canvas.value;
@@ -104,10 +91,9 @@ export function TakeTab({ film }: { film: Film }) {
         return save(timed(`${scene.name}.png`), await png((onto) => compose(onto, from, film)));
     };
     const record = async () => {
-        const made = new Movie(film, plan.value.pace, (share) => (recorded.value = share));
-        movie.current = made;
+        recording.current = new AbortController();
         recorded.value = 0;
-        const blob = await made.record().finally(() => (recorded.value = null));
+        const blob = await movie(film, plan.value.pace, (share) => (recorded.value = share), recording.current.signal).finally(() => (recorded.value = null));
         return blob && save(`${scene.name}.webm`, blob);
     };
     /** A table that the lab makes. */
@@ -142,7 +128,7 @@ export function TakeTab({ film }: { film: Film }) {
                 <div class="work">
                     <p role="status">{t("The movie is recorded …")}</p>
                     <progress aria-label={t("Movie")} value={recorded.value} />
-                    <Button words={t("Stop")} onClick={() => movie.current?.stop()} />
+                    <Button words={t("Stop")} onClick={() => recording.current?.abort()} />
                 </div>
             )}
             {problem.value && (

@@ -21,13 +21,7 @@ function lab_progress(stage: number, iteration: number, limit: number, overlap: 
     return 0;
 }
 
-let shared = 0;
-const compiled = compile(location.search, (loading) => {
-    if (loading - shared < 0.01) return;
-    shared = loading;
-    say({ loading });
-});
-const lab = compiled.then((module) => {
+const lab = compile(location.search, (loading) => say({ loading })).then((module) => {
     say({ module });
     return load(module, lab_progress);
 });

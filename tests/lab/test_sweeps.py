@@ -265,7 +265,7 @@ def test_the_report_says_what_a_sweep_was_made_of(page: Page) -> None:
         page.get_by_role("button", name="Report to print").click()
         expect(report.get_by_text(re.compile(r"^Made with the LEMONS lab \d+\.\d+\.\d+"))).to_be_visible()
         expect(report.get_by_role("row", name="Parameter Width of the door: 0.9 m", exact=True)).to_be_visible()
-        expect(report.get_by_role("row", name="Seeds 1, 2", exact=True)).to_be_visible()
+        expect(report.get_by_role("row", name="Seeds 1; 2", exact=True)).to_be_visible()
         # Of the run, and of the sweep.
         of_people = report.get_by_role("row", name=re.compile(r"^People \d+$"))
         expect(of_people).to_have_count(2)

@@ -92,7 +92,7 @@ def given(page: Page, name: str, to: Path) -> Path:
 
 
 def seconds(page: Page) -> float:
-    return float(page.locator(".time").inner_text().split()[0])
+    return float(page.locator(".time").inner_text().split()[0].replace(",", "."))
 
 
 def wait(page: Page, holds: Callable[[], bool], limit: float = PATIENCE) -> None:
