@@ -18,6 +18,8 @@ from visit import LEMONS, MORE, PATIENCE, link, missing
 #: keeps it. All others are `long`.
 SHORT = {
     "test_only_this_machine_is_answered_and_only_with_files_of_the_lab",
+    "test_files_come_compressed_where_the_browser_takes_that",
+    "test_a_link_is_short_and_opens_a_view_that_leads_into_the_lab",
     "test_the_first_example_moves_when_the_page_is_opened",
     "test_forty_people_in_a_room_with_a_door_move_as_the_command_moves_them",
     "test_the_crowd_of_the_page_is_that_of_the_command",
