@@ -1,5 +1,6 @@
 """What a visitor of the lab does."""
 
+import base64
 import csv
 import json
 import os
@@ -9,6 +10,7 @@ import time
 import urllib.parse
 import xml.etree.ElementTree as ElementTree
 import zipfile
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -145,6 +147,11 @@ def plan(page: Page) -> dict[str, Any]:
 
 def link(url: str, plan: object) -> str:
     return f"{url}#{urllib.parse.quote(json.dumps(plan))}"
+
+
+def unpacked(link: str) -> dict[str, Any]:
+    """The scene that a link of the page holds."""
+    return json.loads(zlib.decompress(base64.urlsafe_b64decode(link.split("#")[1] + "=="), -15))
 
 
 def rows(path: Path) -> list[dict[str, str]]:
