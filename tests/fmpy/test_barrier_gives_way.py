@@ -1,6 +1,8 @@
 """The barrier of examples/controllers, an FMU of FMI 2.0 in C: closed forms; and coupled with a crowd, in several masters."""
 
+import csv
 import importlib.util
+import subprocess
 import sys
 
 import numpy as np
@@ -91,3 +93,49 @@ def test_masters_agree(example, gate, row, tool):
     # It has fallen, and people have walked over it.
     assert ours[-1][2] and max(seen[-1][3:]) > 6.3
     row(tool, "the SSP of a crowd, Decision and `barrier.c`, until the barrier has fallen", "same bits as `lemons run`, Jacobi")
+
+
+@pytest.fixture(scope="module")
+def thousand(example, gate, lemons, tmp_path_factory):
+    """A thousand people in a summary FMU, and the barrier: two connections."""
+    directory = tmp_path_factory.mktemp("thousand")
+
+    def run_here(*words):
+        subprocess.run([lemons, *words], check=True, capture_output=True, cwd=directory)
+
+    scenario = example.SCENARIO
+    for small, large in {"6.0": "20.0", "3.0": "13.0", "1.5": "6.5", "= 60": "= 1000", "10.0": "100.0"}.items():
+        assert small in scenario
+        scenario = scenario.replace(small, large)
+    (directory / "hall.toml").write_text(scenario)
+    run_here("crowd", "--scenario", "hall.toml", "-o", "hall")
+    run_here("pack", "hall", "--interface", "summary", "--panel", "5", "-o", "hall.fmu")
+    both = ["--connection", "hall.barrier1_load=barrier.barrier[0].Load", "--connection", "barrier.door[0].Open=hall.door1_open"]
+    run_here("connect", "hall.fmu", gate / "barrier.fmu", *both, "-o", "hall.ssp")
+    options = ["--step", repr(STEP), "--until", repr(THOUSAND_STEPS * STEP), "--algorithm", "jacobi"]
+    run_here("run", "hall.ssp", *options, "--outputs", "outputs.csv")
+    return directory
+
+
+THOUSAND = [("barrier", name) for name in OUTPUTS] + [("hall", name) for name in ("barrier1_load", "exit1_queue", "people_left")]
+THOUSAND_STEPS = 448
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("tool", ["libcosimpy", "ecospy"])
+def test_a_thousand_people(gate, thousand, row, tool):
+    if tool == "libcosimpy" and sys.version_info < (3, 11):
+        pytest.skip("libcosimpy has no wheel for this Python")
+    fmus = {"hall": str(thousand / "hall.fmu"), "barrier": str(gate / "barrier.fmu")}
+    job = Job(fmus=fmus, steps=THOUSAND_STEPS, step=STEP, ssp=str(thousand / "hall.ssp"), watch=[list(of) for of in THOUSAND])
+    seen, said = run(tool.removesuffix("py"), job)
+    assert said == ""
+    with (thousand / "outputs.csv").open() as file:
+        table = list(csv.DictReader(file))[1:]
+    is_open = {"false": 0.0, "true": 1.0}
+    cells = [[line[".".join(of)] for of in THOUSAND] for line in table]
+    ours = [[is_open[cell] if cell in is_open else float(cell) for cell in line] for line in cells]
+    assert [[float(value) for value in line] for line in seen] == ours
+    # Many lean on it until it falls, then people leave.
+    assert max(line[3] for line in ours) > 3000.0 and ours[-1][2] and ours[-1][5] > 0
+    row(tool, "the SSP of a summary FMU of 1000 people and `barrier.c`, until the barrier has fallen", "same bits as `lemons run`, Jacobi")
