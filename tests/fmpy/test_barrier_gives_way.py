@@ -95,6 +95,11 @@ def test_masters_agree(example, gate, row, tool):
     row(tool, "the SSP of a crowd, Decision and `barrier.c`, until the barrier has fallen", "same bits as `lemons run`, Jacobi")
 
 
+def test_a_run_says_how_pictures_show_its_door(gate, lemons, tmp_path):
+    done = subprocess.run([lemons, "run", gate / "gate.ssp", "--until", "0.1", "-o", tmp_path / "t.csv"], capture_output=True, text=True)
+    assert done.returncode == 0 and "people: door[0].Open connected" in done.stderr and "by the times" in done.stderr
+
+
 @pytest.fixture(scope="module")
 def thousand(example, gate, lemons, tmp_path_factory):
     """A thousand people in a summary FMU, and the barrier: two connections."""

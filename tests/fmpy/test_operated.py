@@ -118,3 +118,14 @@ def test_a_state_knows_what_is_shut(lemons, tmp_path):
     with lemons_fmu.Crowd(tmp_path / "T") as fresh:
         fresh.step_to(2.0)
         assert (fresh.poses() == again).all()
+
+
+def test_pictures_show_a_door_that_an_input_keeps_shut(lemons, tmp_path):
+    always = leaning(tmp_path / "T", "0,1e9")
+    shut = ["--set", "door[0].Open=false"]
+    subprocess.run([lemons, "run", always, *shut, "--until", "1", "-o", tmp_path / "t.csv"], check=True, capture_output=True)
+    made, table = [always, "--until", "1"], [tmp_path / "t.csv", "--trial", always]
+    for source, dashes in ((made, 1), ([*made, *shut], 0), (table, 1), ([*table, *shut], 0)):
+        picture = tmp_path / "p.svg"
+        subprocess.run([lemons, "plot", *source, "--at", "1", "-o", picture, "--force"], check=True, capture_output=True)
+        assert picture.read_text().count("<path stroke-dasharray") == dashes

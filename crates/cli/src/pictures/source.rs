@@ -9,11 +9,12 @@ use crate::trajectories::TrajectoryArguments;
 use anyhow::{Context, Error, Result, bail};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::plane::Motion;
-use lemons_core::trial::{AgentDynamics, DriveTable, PanelChoice, Trial};
+use lemons_core::trial::{AgentDynamics, DriveTable, OpeningTimes, PanelChoice, Trial};
 use lemons_decision::Plan;
 use lemons_master::{DecisionChoice, RunSettings, TrialInput, plan_of};
 pub use lemons_results::KeptFrames;
 use lemons_results::{Frame, READ, Record, Run};
+use lemons_sim::settings::Value;
 use lemons_sim::{Algorithm, Clock, Documents, Simulation, Until};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -144,6 +145,12 @@ impl RunSource {
                 }
             }
             *trial = edited.trial().clone();
+            let doors = trial.geometry.walls.iter_mut().filter_map(|wall| wall.open.as_mut());
+            for (k, times) in doors.enumerate() {
+                if edited.value(&format!("door[{k}].Open"))? == Value::Boolean(false) {
+                    *times = OpeningTimes::never();
+                }
+            }
             // An FMU has the panels that it was packed with.
             if matches!(self.panels, Some(PanelChoice::Longest(_))) && self.ends_in("fmu") {
                 bail!(Misused(format!(

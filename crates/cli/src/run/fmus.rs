@@ -2,6 +2,7 @@
 
 use super::model::{CrowdInfo, PreparedRun, RecordedModel};
 use super::outputs::OutputValues;
+use crate::print::few;
 use anyhow::{Error, Result, anyhow};
 use crowd_mechanics::quantities::segments;
 use lemons_core::trial::Trial;
@@ -172,6 +173,16 @@ impl Reader {
         };
         let (mut walls, mut panels) = (None, None);
         if let Some(trial) = &crowd.trial {
+            let doors = (0..trial.geometry.doors().count()).map(|k| format!("door[{k}].Open"));
+            let fed: Vec<String> = doors.filter(|door| system.feeds(place, door)).collect();
+            if !fed.is_empty() {
+                note!(
+                    "note: {}: {} connected, which tables do not hold: pictures of this run show doors by the times \
+                     of the Trial that they get (--trial)",
+                    component.name,
+                    few(&fed, 5)
+                );
+            }
             walls = select(segments(trial).count(), "wall", WALL_FORCES)?;
             let lengths: Vec<f64> =
                 trial.geometry.panels().map(|(_, [start, end])| (end - start).norm()).collect();
