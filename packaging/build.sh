@@ -4,10 +4,11 @@
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 need_time
-choose_compiler "${all[@]}" "$page"
+# Commands hold the page; for a Mac there is none.
+programs=$(for platform; do program "$platform"; done)
+choose_compiler "${all[@]}" ${programs:+"$page"}
 tools
-# Commands hold the page.
-env -u LEMONS_PROFILE lab/build.sh
+[[ -z $programs ]] || env -u LEMONS_PROFILE lab/build.sh
 for platform; do
     packages=(-p crowd-mechanics -p lemons-decision-fmu -p lemons-summary-fmu)
     program=$(program "$platform")

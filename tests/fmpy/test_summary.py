@@ -13,6 +13,7 @@ import pytest
 from crowd import REPOSITORY, TRIAL_DOOR, Crowd, bits
 from crowd import refused as refused_call
 from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.fmi2 import fmi2Discard
 from fmpy.validation import validate_fmu
 from masters import Job, run
 from test_fmutool import check
@@ -75,8 +76,11 @@ def test_same_bits_as_run_and_measure(lemons, room, summary, tmp_path, row):
     # A run of the FMU, too.
     subprocess.run([lemons, "run", fmu, *until, "--outputs", tmp_path / "o.csv"], check=True, capture_output=True)
     for name, column in columns.items():
-        own = [float(line[next(key for key in line if key.endswith("." + name))]) for line in table(tmp_path / "o.csv")]
+        own = [float(line[name]) for line in table(tmp_path / "o.csv")]
         assert own[1:] == list(column), name
+    # `-o` is the same table, since nothing else is written.
+    subprocess.run([lemons, "run", fmu, *until, "-o", tmp_path / "same.csv"], check=True, capture_output=True)
+    assert (tmp_path / "same.csv").read_text() == (tmp_path / "o.csv").read_text()
     # Frames of the Trial, in table and measures.
     subprocess.run([lemons, "run", room, *until, "-o", tmp_path / "t.csv"], check=True, capture_output=True)
     there = {}
@@ -234,6 +238,7 @@ def test_what_does_not_fit_is_refused(lemons, room, tmp_path):
     fmu = ["-o", tmp_path / "no.fmu"]
     said = refused(lemons, room, "--interface", "summary", *fmu)
     assert re.search(r"there are \d+ panels of walls, and a summary has room for 4: choose with --panel NUMBER", said)
+    assert re.search(r'  panel 1, of the wall "0" from \(8.0, 5.0\) to \(6.0, 5.0\) m\n', said)
     exits = ", ".join(f'{{ name = "e{k}", line = [[5.0, {2 + 0.2 * k}], [5.0, {2.15 + 0.2 * k}]] }}' for k in range(5))
     trial = tmp_path / "five"
     subprocess.run(["cp", "-r", TRIAL_DOOR, trial], check=True)
@@ -248,6 +253,33 @@ def test_what_does_not_fit_is_refused(lemons, room, tmp_path):
     described = {of.name: of.description for of in variables(tmp_path / "no.fmu")}
     assert described["exit1_left"].startswith('exit "e3":') and described["exit2_left"].startswith('exit "e1":')
     assert "exit3_left" not in described
+
+
+@BOTH
+def test_inputs_have_bounds(summary, instantiate, fmi):
+    """A description says them, and a refusal."""
+    fmu = summary(fmi)
+    of = {variable.name: variable for variable in variables(fmu)}
+    assert (float(of["push"].declaredType.min), float(of["push"].max), of["push"].declaredType.nominal) == (0.0, 2000.0, "100.0")
+    assert of["push"].declaredType.displayUnit is None and float(of["speed_factor"].max) == 10.0
+    if fmi == "3":
+        return
+    crowd = instantiate(fmu)
+    for name, value, told in (("push", 2001.0, "from 0 to 2000"), ("speed_factor", -0.5, "from 0 to 10"), ("push", float("nan"), "from 0 to 2000")):
+        with refused_call(crowd, f"{name} = {value}: must be {told}".replace("nan", "NaN"), status=fmi2Discard):
+            crowd[name] = value
+    crowd["push"] = 2000.0
+
+
+def test_what_a_newcomer_is_told(lemons, room, tmp_path):
+    options = ["--interface", "summary", "--panel", "0", "--area", "far=60,0,70,5"]
+    for command in (["describe", room], ["pack", room, "-o", tmp_path / "far.fmu"]):
+        done = subprocess.run([lemons, *command, *options], capture_output=True, text=True)
+        assert done.returncode == 0 and 'note: the area "far" is outside of the walls around people' in done.stderr
+    listed = subprocess.run([lemons, "info", tmp_path / "far.fmu"], capture_output=True, text=True, check=True).stdout
+    assert re.search(r"^people_inside +output Integer +people who are there$", listed, re.MULTILINE)
+    left = subprocess.run([lemons, "run", tmp_path / "far.fmu", "--until", "left"], capture_output=True, text=True)
+    assert left.returncode != 0 and "no variables of each person" in left.stderr
 
 
 def test_who_leaves_waits_for_the_exit(summary, tmp_path):

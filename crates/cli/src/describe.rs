@@ -33,6 +33,7 @@ pub fn describe(arguments: &Arguments) -> Result<()> {
     let given = TrialInput::open(&arguments.trial)?;
     let (documents, ..) = given.documents(&DriveChoice::None, &choice)?;
     let format = arguments.fmi.format(Naming::Structured);
+    summary.iter().flat_map(|config| config.notes(&documents)).for_each(|note| note!("note: {note}"));
     let text = match (&summary, &documents.plan) {
         (Some(config), _) => lemons_summary::pack::description(documents, config, format)?,
         (None, Some(plan)) => description(plan, format),

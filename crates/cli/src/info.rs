@@ -54,9 +54,9 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     )?;
     let wanted = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only));
     let rows = description.singles().filter(|(name, single)| wanted(name) || wanted(&single.variable.name));
-    let rows: Vec<[String; 4]> = rows.map(|(name, single)| row(name, single)).collect();
-    let head = ["name", "", "unit", "start"].map(str::to_owned);
-    let mut widths = [0; 4];
+    let rows: Vec<[String; 5]> = rows.map(|(name, single)| row(name, single)).collect();
+    let head = ["name", "", "unit", "start", "description"].map(str::to_owned);
+    let mut widths = [0; 5];
     for row in std::iter::once(&head).chain(&rows) {
         for (width, cell) in widths.iter_mut().zip(row) {
             *width = (*width).max(cell.chars().count());
@@ -70,7 +70,7 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-fn row(name: String, single: Single) -> [String; 4] {
+fn row(name: String, single: Single) -> [String; 5] {
     let (variable, start) = (single.variable, single.variable.start_of(single.element));
     let unit = match variable.of.class() {
         FmiType::Real => variable.unit.clone().unwrap_or_default(),
@@ -83,5 +83,6 @@ fn row(name: String, single: Single) -> [String; 4] {
         Some(Causality::StructuralParameter) => "size",
         _ => "other",
     };
-    [name, causality.into(), unit, start.unwrap_or_default().to_owned()]
+    let described = variable.description.clone().unwrap_or_default();
+    [name, causality.into(), unit, start.unwrap_or_default().to_owned(), described]
 }

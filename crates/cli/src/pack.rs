@@ -219,6 +219,7 @@ fn pack_summary(arguments: &Arguments, config: &SummaryConfig) -> Result<()> {
         &Files::chosen(given.path(), &DriveChoice::Own, decision.as_deref()),
     ));
     warnings.iter().for_each(|warning| note!("{warning}"));
+    config.notes(&documents).iter().for_each(|note| note!("note: {note}"));
     let (format, picture) = (fmi.format(fmu.naming()), picture(&documents.trial));
     lemons_summary::pack::write_fmu(documents.clone(), config, format, &binaries, picture, &mut file)
         .with_context(|| trial.display().to_string())?;

@@ -60,7 +60,7 @@ pub struct Arguments {
     #[arg(long, value_name = "METRES", value_parser = length, conflicts_with = "resume")]
     accuracy: Option<f64>,
     /// File for the trajectories; - is standard output. Several crowds go to FILE_NAME.csv, with the name
-    /// of each component. Default: trajectories.csv
+    /// of each component. If nothing is a crowd, as of a summary FMU: file for the outputs. Default: trajectories.csv
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// File for the outputs of what is not a crowd: of other FMUs, or where people want to go
@@ -162,6 +162,7 @@ impl Arguments {
             settings,
             rows: RowTarget::Table(rows),
             outputs,
+            either: self.output.is_some(),
             state: self.state.clone(),
             until: self.until,
         })

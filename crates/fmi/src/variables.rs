@@ -279,6 +279,8 @@ pub mod types {
     /// People over an area.
     pub const DENSITY: RealType = of("density", "NumberPerArea", PER_SQUARE_METRE, NonNegative, 1.0);
     pub const FACTOR: RealType = of("factor", "Factor", ONE, NonNegative, 1.0);
+    /// A force of a person who pushes: some ten newtons to some hundred.
+    pub const PUSH: RealType = of("push", "Force", NEWTON, NonNegative, 100.0);
     pub const COUNT: RealType = of("count", "Count", ONE, Positive, 1.0);
 }
 
@@ -289,6 +291,8 @@ pub enum Domain {
     Finite,
     /// Finite and ≥ 0.
     NonNegative,
+    /// From 0 to this.
+    UpTo(u32),
     /// Finite and > 0; of a Real, not less than the least number of full precision.
     Positive,
     /// The number of elements along a dimension.
@@ -304,6 +308,7 @@ impl Domain {
         match self {
             Domain::Finite => [None, None],
             Domain::NonNegative => [Some(0.0), None],
+            Domain::UpTo(most) => [Some(0.0), Some(most.into())],
             Domain::Positive if of == BaseType::Real => [Some(f64::MIN_POSITIVE), None],
             Domain::Positive => [Some(1.0), None],
             Domain::Size => [Some(1.0), Some(MOST as f64)],
@@ -314,15 +319,18 @@ impl Domain {
     ///
     /// # Errors
     /// It is not. The text completes the message "must be …".
-    pub fn check(self, value: f64) -> Result<(), &'static str> {
-        match self {
-            _ if !value.is_finite() => Err("finite"),
-            Domain::Positive if value <= 0.0 => Err("positive"),
-            Domain::Positive if value < f64::MIN_POSITIVE => Err("at least 2.2250738585072014e-308"),
-            Domain::NonNegative if value < 0.0 => Err("at least 0"),
-            Domain::Size if !(1.0..=MOST as f64).contains(&value) => Err("at least 1 and at most 100000000"),
-            _ => Ok(()),
-        }
+    pub fn check(self, value: f64) -> Result<(), Cow<'static, str>> {
+        Err(match self {
+            Domain::UpTo(most) if !(0.0..=most.into()).contains(&value) => format!("from 0 to {most}").into(),
+            _ if !value.is_finite() => "finite".into(),
+            Domain::Positive if value <= 0.0 => "positive".into(),
+            Domain::Positive if value < f64::MIN_POSITIVE => "at least 2.2250738585072014e-308".into(),
+            Domain::NonNegative if value < 0.0 => "at least 0".into(),
+            Domain::Size if !(1.0..=MOST as f64).contains(&value) => {
+                "at least 1 and at most 100000000".into()
+            }
+            _ => return Ok(()),
+        })
     }
 }
 

@@ -8,6 +8,9 @@ pub enum SimError {
     /// The crowd or Decision refuses it.
     #[error("{0}")]
     Model(Refusal),
+    /// The crowd refuses a step, and has not moved: another one may be tried.
+    #[error("{0}")]
+    Refused(Refusal),
     /// A text is not a value of a variable.
     #[error("{name}={text}: {why}")]
     Value {
@@ -56,7 +59,9 @@ impl From<Refusal> for SimError {
 
 impl From<StepError> for SimError {
     fn from(error: StepError) -> SimError {
-        let (StepError::Refused(refusal) | StepError::Failed(refusal)) = error;
-        SimError::Model(refusal)
+        match error {
+            StepError::Refused(refusal) => SimError::Refused(refusal),
+            StepError::Failed(refusal) => SimError::Model(refusal),
+        }
     }
 }

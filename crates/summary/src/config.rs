@@ -1,7 +1,11 @@
 //! What of a Trial is in which slot: `summary.toml`, as it was told when the FMU was packed.
 
 use crate::quantities::{SummaryQuantity, What};
+use lemons_core::plane::Vec2;
+use lemons_core::trial::{DRIVE_FILE, Wall};
+use lemons_decision::DECISION_FILE;
 use lemons_results::measure::{LIMIT, MeasuringArea};
+use lemons_results::walkable_area;
 use lemons_sim::Documents;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
@@ -43,10 +47,12 @@ pub enum SummaryError {
     #[error("{SUMMARY_FILE}: {0}")]
     Toml(String),
     #[error(
-        "there are {found} {what}, and a summary has room for {room}: choose with {option}, in the order of {first}1 to \
-         {first}{room}"
+        "there are {} {what}, and a summary has room for {room}: choose with {option}, in the order of {first}1 to \
+         {first}{room}:{}",
+        .all.len(),
+        listed(.all)
     )]
-    TooMany { what: &'static str, found: usize, room: usize, option: &'static str, first: &'static str },
+    TooMany { what: &'static str, all: Vec<String>, room: usize, option: &'static str, first: &'static str },
     #[error("{option} {given}: {why}{}", known(.all))]
     Unknown { option: &'static str, given: String, why: &'static str, all: Vec<String> },
     #[error("the area {0:?} must be a rectangle or a polygon that does not cross itself")]
@@ -55,6 +61,19 @@ pub enum SummaryError {
     Limit(f64),
     #[error(transparent)]
     Sim(#[from] lemons_sim::SimError),
+}
+
+/// A line for each of the first of them.
+fn listed(all: &[String]) -> String {
+    const MOST: usize = 50;
+    let more = (all.len() > MOST).then(|| format!("\n  … {} more", all.len() - MOST));
+    all.iter().take(MOST).map(|one| format!("\n  {one}")).chain(more).collect()
+}
+
+/// \[m\] As messages write a place.
+fn at(x: f64, y: f64) -> String {
+    let [x, y] = [x, y].map(|number| (1e6 * number).round() / 1e6);
+    format!("({x:?}, {y:?})")
 }
 
 fn known(all: &[String]) -> String {
@@ -86,8 +105,13 @@ struct Choice {
 }
 
 impl Choice {
-    /// Returns the places of the chosen ones, by their names; without any, all places.
-    fn of(&self, all: &[String], chosen: &[impl Display]) -> Result<Vec<usize>, SummaryError> {
+    /// Returns the places of the chosen ones, by their names; without any, all places. `told` says what each is.
+    fn of(
+        &self,
+        all: &[String],
+        chosen: &[impl Display],
+        told: impl Fn(&usize) -> String,
+    ) -> Result<Vec<usize>, SummaryError> {
         let Choice { what, option, first, room } = *self;
         let mut places: Vec<usize> = (0..all.len()).collect();
         if !chosen.is_empty() {
@@ -103,7 +127,8 @@ impl Choice {
             places.push(place);
         }
         if places.len() > room {
-            return Err(SummaryError::TooMany { what, found: places.len(), room, option, first });
+            let all = places.iter().map(told).collect();
+            return Err(SummaryError::TooMany { what, all, room, option, first });
         }
         Ok(places)
     }
@@ -126,6 +151,27 @@ impl SummaryConfig {
         toml::to_string(self).map_err(|error| SummaryError::Toml(error.to_string()))
     }
 
+    /// Returns what somebody may not have meant: an area in which nobody is, and that nobody walks.
+    pub fn notes(&self, documents: &Documents) -> Vec<String> {
+        let (trial, mut notes) = (&documents.trial, Vec::new());
+        if documents.plan.is_none() {
+            notes.push(format!(
+                "nobody walks, since there is no {DECISION_FILE}: people move by Fp and Mp of AgentDynamics.xml and by \
+                 {DRIVE_FILE}, and there are no exits, speed_factor, push and stop"
+            ));
+        }
+        let starts = trial.dynamics.iter().map(|own| own.motion().pose.position);
+        let there = walkable_area(&trial.geometry.walls, starts);
+        let around = if there.boxed { "of people and walls" } else { "of the walls around people" };
+        let outside = self.areas.iter().filter(|area| {
+            MeasuringArea::of_numbers(&area.corners).is_some_and(|area| !area.meets(&there.polygon))
+        });
+        notes.extend(outside.map(|AreaConfig { name, .. }| {
+            format!("the area {name:?} is outside {around}: nobody is in it who has not come out")
+        }));
+        notes
+    }
+
     /// Finds what is in the slots.
     ///
     /// # Errors
@@ -139,41 +185,54 @@ impl SummaryConfig {
         let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
         let named: Vec<String> = exits.iter().map(|k| targets[*k].name.clone()).collect();
         let choice = |what, option, first, of: What| Choice { what, option, first, room: of.slots() };
-        let chosen = choice("exits", "--exit NAME", "exit", What::ExitLeft).of(&named, &self.exits)?;
+        let exit = |k: &usize| format!("exit {:?}", named[*k]);
+        let exit_at = |k: &usize| {
+            let corners: Vec<String> = targets[exits[*k]].corners.iter().map(|[x, y]| at(*x, *y)).collect();
+            format!("{}: {} m", exit(k), corners.join(" "))
+        };
+        let chosen =
+            choice("exits", "--exit NAME", "exit", What::ExitLeft).of(&named, &self.exits, exit_at)?;
         let geometry = &documents.trial.geometry;
-        let ids: Vec<String> = geometry.doors().map(|(_, door)| door.id.clone()).collect();
-        let doors = choice("doors", "--door ID", "door", What::DoorOpen).of(&ids, &self.doors)?;
-        let places: Vec<(&str, [String; 2])> = geometry
-            .panels()
-            .map(|(wall, ends)| (&*wall.id, ends.map(|end| format!("({:?}, {:?})", end.x, end.y))))
-            .collect();
+        let of_doors: Vec<&Wall> = geometry.doors().map(|(_, door)| door).collect();
+        let ids: Vec<String> = of_doors.iter().map(|door| door.id.clone()).collect();
+        let door = |k: &usize| format!("door, wall {:?}", ids[*k]);
+        let door_at = |k: &usize| {
+            let corners: Vec<String> = of_doors[*k].corners.iter().map(|end| at(end.x, end.y)).collect();
+            format!("{}: {} m", door(k), corners.join(" "))
+        };
+        let doors = choice("doors", "--door ID", "door", What::DoorOpen).of(&ids, &self.doors, door_at)?;
+        let places: Vec<(&Wall, [Vec2; 2])> = geometry.panels().collect();
+        let panel = |k: &usize| {
+            let (wall, [from, to]) = places[*k];
+            let [from, to] = [from, to].map(|end| at(end.x, end.y));
+            format!("panel {k}, of the wall {:?} from {from} to {to} m", wall.id)
+        };
         let numbers: Vec<String> = (0..places.len()).map(|k| k.to_string()).collect();
-        let panels = choice("panels of walls", "--panel NUMBER", "barrier", What::BarrierLoad)
-            .of(&numbers, &self.panels)?;
+        let panels = choice("panels of walls", "--panel NUMBER", "barrier", What::BarrierLoad).of(
+            &numbers,
+            &self.panels,
+            panel,
+        )?;
         let names: Vec<String> = self.areas.iter().map(|area| area.name.clone()).collect();
-        choice("areas", "fewer --area", "area", What::AreaDensity).of(&names, &names)?;
+        let named_area = |k: &usize| format!("area {:?}", names[*k]);
+        choice("areas", "fewer --area", "area", What::AreaDensity).of(&names, &names, named_area)?;
         let area = |AreaConfig { name, corners }: &AreaConfig| {
             MeasuringArea::of_numbers(corners).ok_or_else(|| SummaryError::Area(name.clone()))
         };
-        let panel = |k: &usize| {
-            let (wall, [from, to]) = &places[*k];
-            format!("panel {k}, of the wall {wall:?} from {from} to {to} m")
-        };
-        let exit = |k: &usize| format!("exit {:?}", named[*k]);
         let input = |what, slot| SummaryQuantity { what, slot };
         let of_exits =
             chosen.iter().enumerate().map(|(slot, k)| (input(What::ExitOpen, slot), format!("exit[{k}]")));
-        let of_doors =
+        let of_operated =
             doors.iter().enumerate().map(|(slot, k)| (input(What::DoorOpen, slot), format!("door[{k}]")));
         Ok(Slots {
             names: [
                 chosen.iter().map(exit).collect(),
-                doors.iter().map(|k| format!("door, wall {:?}", ids[*k])).collect(),
+                doors.iter().map(door).collect(),
                 panels.iter().map(panel).collect(),
-                names.iter().map(|name| format!("area {name:?}")).collect(),
+                (0..names.len()).map(|k| named_area(&k)).collect(),
             ],
             exits: chosen.iter().map(|k| exits[*k]).collect(),
-            operated: of_exits.chain(of_doors).collect(),
+            operated: of_exits.chain(of_operated).collect(),
             panels,
             areas: self.areas.iter().map(area).collect::<Result<_, _>>()?,
             limit,

@@ -12,7 +12,7 @@ use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Dependencies, Domain, Known, Scalar, Size, Variable};
 use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, damaged, refuse};
 use lemons_results::measure::LIMIT;
-use lemons_sim::Documents;
+use lemons_sim::{Documents, SimError};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -148,7 +148,12 @@ impl Model for Summary {
             );
             return Err(StepError::Refused(Refusal::new(told)));
         }
-        self.step_to(step.to).map_err(|error| StepError::Failed(error.into()))
+        let from = self.simulation.time();
+        self.step_to(step.to).map_err(|error| match error {
+            // Of the first step within.
+            SimError::Refused(refusal) if self.simulation.time() == from => StepError::Refused(refusal),
+            error => StepError::Failed(error.into()),
+        })
     }
 
     fn reset(&mut self) -> Answer<()> {

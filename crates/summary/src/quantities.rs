@@ -44,6 +44,11 @@ pub const QUEUE_NEAR: f64 = 10.0;
 /// \[m/s\] and is slower than this.
 pub const QUEUE_SLOW: f64 = 0.3;
 
+/// Greatest factor of desired speeds: who walks with 1.3 m/s would run faster than anybody.
+const FASTEST: u32 = 10;
+/// \[N\] Greatest push: more than somebody can, whose feet slip before; more would be a mistake in the unit.
+const HARDEST: u32 = 2000;
+
 /// A row of each slot.
 struct Row {
     /// By slot.
@@ -64,6 +69,10 @@ impl Row {
         let of = self.of.input(description);
         let domain = if matches!(of.kind, VariableType::Real(_)) { Domain::NonNegative } else { of.domain };
         Row { of: Variable { domain, ..of }, ..self }
+    }
+
+    const fn up_to(self, most: u32) -> Row {
+        Row { of: Variable { domain: Domain::UpTo(most), ..self.of }, ..self }
     }
 }
 
@@ -111,10 +120,14 @@ const GROUPS: [&[Row]; 6] = {
                 .output("people who could not be saved from a fall, at some time"),
         ],
         &[
-            of(SpeedFactor, &["speed_factor"], Real(FACTOR)).input("factor of everybody's desired speed"),
-            of(Push, &["push"], Real(NORMAL_FORCE)).input(
-                "with this force, everybody who wants to get on pushes in addition, in the direction in which they want to walk",
-            ),
+            of(SpeedFactor, &["speed_factor"], Real(FACTOR))
+                .input("factor of everybody's desired speed")
+                .up_to(FASTEST),
+            of(Push, &["push"], Real(PUSH))
+                .input(
+                    "with this force, everybody who wants to get on pushes in addition, in the direction in which they want to walk",
+                )
+                .up_to(HARDEST),
             of(Arrivals, &["arrivals"], Real(FLOW)).input(
                 "mean number of people who come per time, by all sources that have a rate, as long as there are any more",
             ),

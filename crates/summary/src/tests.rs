@@ -2,7 +2,9 @@ use super::*;
 use lemons_core::plane::vec2;
 use lemons_core::trial::{Agent, AgentDynamics, DriveTable, OpeningTimes, Trial};
 use lemons_decision::{DecisionConfig, Plan};
-use lemons_fmi::{FmuFormat, Model, Slave, Step, Version, description, instantiation_token, reference};
+use lemons_fmi::{
+    FmuFormat, Model, Slave, Step, StepError, Version, description, instantiation_token, reference,
+};
 use lemons_sim::lint::RunEnd;
 
 const STEP: f64 = 0.0625;
@@ -268,10 +270,10 @@ fn more_than_fits_is_refused_with_what_to_do() {
     let config = format!("exits = [{}]", exits.collect::<Vec<_>>().join(", "));
     let five = || documents(people(&[[0.0, 0.0]]), &config);
     let refused = |config: SummaryConfig| Summary::new(five(), &config).err().unwrap().to_string();
-    assert_eq!(
-        refused(SummaryConfig::default()),
-        "there are 5 exits, and a summary has room for 4: choose with --exit NAME, in the order of exit1 to exit4"
-    );
+    let told = refused(SummaryConfig::default());
+    let first = "there are 5 exits, and a summary has room for 4: choose with --exit NAME, in the order of exit1 to exit4:\n  exit \
+                 \"e0\": (8.0, 0.0) (8.0, 0.5) m\n";
+    assert!(told.starts_with(first) && told.ends_with("\n  exit \"e4\": (8.0, 4.0) (8.0, 4.5) m"), "{told}");
     let chosen = |names: &[&str]| SummaryConfig {
         exits: names.iter().map(ToString::to_string).collect(),
         ..SummaryConfig::default()
@@ -324,6 +326,39 @@ fn what_is_not_there_is_not_described_and_has_no_value() {
     assert_eq!(names[names.len() - 2..], ["people_left", "people_inside"]);
     standing.advance(Step::of(0.0, STEP)).unwrap();
     assert_eq!(standing.value("people_inside"), 5.0);
+}
+
+#[test]
+fn a_step_that_the_crowd_refuses_can_be_another_one() {
+    let with = |step: f64, mechanical: f64| {
+        let mut documents = room();
+        documents.trial.parameters.time_step = step;
+        documents.trial.parameters.time_step_mechanical = mechanical;
+        begun(documents, &front())
+    };
+    // More mechanical steps than MostMechanicalSteps, and fewer.
+    let mut summary = with(20.0, 1e-8);
+    let Err(StepError::Refused(refusal)) = summary.advance(Step::of(0.0, 15.0)) else {
+        panic!("it is refused")
+    };
+    assert!(refusal.message.contains("MostMechanicalSteps"), "{}", refusal.message);
+    let mut other = with(20.0, 1e-8);
+    for summary in [&mut summary, &mut other] {
+        summary.advance(Step::of(0.0, 1e-5)).unwrap();
+    }
+    assert_eq!(summary.simulation.save(), other.simulation.save());
+}
+
+#[test]
+fn an_area_where_nobody_is_and_a_crowd_that_does_not_walk_are_noted() {
+    let area = |name: &str, corners: [f64; 4]| AreaConfig { name: name.into(), corners: corners.to_vec() };
+    let areas =
+        vec![area("in", FRONT), area("partly", [-9.0, 0.0, 1.0, 1.0]), area("far", [60.0, 0.0, 70.0, 5.0])];
+    let config = SummaryConfig { areas, ..front() };
+    let [far] = &config.notes(&room())[..] else { panic!("one note") };
+    assert!(far.starts_with("the area \"far\" is outside of the walls around people"), "{far}");
+    let standing = Documents { plan: None, ..room() };
+    assert!(config.notes(&standing)[0].starts_with("nobody walks"));
 }
 
 /// The outside: the same with shorter communication steps.

@@ -268,7 +268,7 @@ impl RunSource {
             ..self.inputs.settings(&self.path)
         };
         let rows = RowTarget::Memory(wanted);
-        let job = RunJob { settings, rows, outputs: None, state: None, until: Some(until) };
+        let job = RunJob { settings, rows, outputs: None, either: false, state: None, until: Some(until) };
         let ended = simulate(job, interrupt)?;
         ended.complete?;
         if ended.stopped.is_some() {

@@ -56,7 +56,7 @@ pub fn run_for(accuracy: f64, job: RunJob, interrupt: &Interrupt) -> Result<Ende
     let settings =
         RunSettings { parameters, tolerance: Some(accuracy), saves: false, ..job.settings.clone() };
     let rows = RowTarget::Memory(KeptFrames::Around(Vec::new()));
-    let first = RunJob { settings, rows, outputs: None, state: None, until: job.until };
+    let first = RunJob { settings, rows, outputs: None, either: false, state: None, until: job.until };
     let coarse = simulate(first, interrupt)?;
     if let Some(time) = coarse.stopped {
         let stopped = format!("stopped at t = {time:?} s of the first of two runs; nothing is written");

@@ -57,7 +57,7 @@ pub fn prepare(settings: &RunSettings) -> Result<PreparedRun> {
         }
         let agents = agents_of(&component.fmu.description);
         if agents == 0 {
-            let columns = output_columns_of(component);
+            let columns = output_columns_of(component, run.coupled);
             let names = |is_text: bool| {
                 let own = columns.iter().filter(move |column| (column.kind == CellType::Text) == is_text);
                 component.instance.select(own.map(|column| &column.variable))
@@ -280,14 +280,15 @@ fn columns_of(description: &Interface, groups: Groups) -> Vec<Column> {
     all
 }
 
-/// The columns of the outputs of what is not a crowd; the variables of the columns are the names of the values.
-fn output_columns_of(component: &SystemComponent) -> Vec<Column> {
+/// The columns of the outputs of what is not a crowd; the variables of the columns are the names of the values. Where FMUs are
+/// coupled, columns begin with the name of the component.
+fn output_columns_of(component: &SystemComponent, coupled: bool) -> Vec<Column> {
     let singles = component.fmu.description.singles();
     let outputs = singles.filter(|(_, single)| single.variable.kind == Some(Causality::Output));
     let columns = outputs.filter_map(|(name, single)| {
         let variable = single.variable;
         Some(Column {
-            name: format!("{}.{name}", component.name),
+            name: if coupled { format!("{}.{name}", component.name) } else { name.clone() },
             kind: cell_type(variable)?,
             unit: variable.unit.clone(),
             variable: name,

@@ -31,6 +31,8 @@ pub struct RunJob {
     pub rows: RowTarget,
     /// Where the outputs of what is not a crowd go, if they are recorded.
     pub outputs: Option<TableFile>,
+    /// Whether outputs go where rows do, if nothing is a crowd.
+    pub either: bool,
     /// Where it is saved.
     pub state: Option<PathBuf>,
     /// When it ends, if not at the time of the settings.
@@ -66,7 +68,7 @@ fn prepare(settings: &RunSettings) -> Result<PreparedRun> {
 
 /// Runs and records; warnings go to standard error. Ctrl-C ends the run after the step under way.
 pub fn simulate(job: RunJob, interrupt: &Interrupt) -> Result<EndedRun> {
-    let RunJob { settings, rows, outputs, state, until } = job;
+    let RunJob { settings, rows, outputs, either, state, until } = job;
     let compared = settings.tolerance.is_some();
     let PreparedRun {
         mut model,
@@ -104,6 +106,10 @@ pub fn simulate(job: RunJob, interrupt: &Interrupt) -> Result<EndedRun> {
         ("every", every.to_string()),
     ];
     let about = About { lines, goes_on: before.is_some() };
+    let outputs = match &rows {
+        RowTarget::Table(place) if either && crowds.is_empty() => outputs.or_else(|| Some(place.clone())),
+        _ => outputs,
+    };
     let outputs = outputs.filter(|_| !output_columns.is_empty());
     let mut outputs = outputs.map(|place| OutputTable::create(output_columns, &place, &about)).transpose()?;
     let mut recorders = Vec::with_capacity(crowds.len());
@@ -113,6 +119,12 @@ pub fn simulate(job: RunJob, interrupt: &Interrupt) -> Result<EndedRun> {
     for (crowd, name) in crowds.into_iter().zip(&names) {
         let to = if several { rows.named(name)? } else { rows.clone() };
         recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), compared)?);
+    }
+    if until == Some(Until::Left) && recorders.is_empty() {
+        bail!(
+            "--until left: {} has no variables of each person, so nobody is seen to leave: give seconds",
+            settings.input.display()
+        );
     }
     let stop = match until {
         Some(until) => {

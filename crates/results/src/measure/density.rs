@@ -5,7 +5,7 @@ use crate::measure::present;
 use crate::measure::voronoi::VoronoiRoom;
 use crate::shapes::check;
 use lemons_core::plane::overlay::{InsideRule, area, contour, intersection};
-use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
+use lemons_core::plane::{Bounds, Polygon, Ring, Vec2, vec2};
 use serde::Serialize;
 
 /// An area in which a crowd is measured.
@@ -62,6 +62,12 @@ impl MeasuringArea {
     /// Returns whether a place \[m\] is in it.
     pub fn contains(&self, place: Vec2) -> bool {
         self.0.contains(place)
+    }
+
+    /// Returns whether it has some area in common with a polygon.
+    pub fn meets(&self, polygon: &Polygon) -> bool {
+        let other: Vec<_> = polygon.rings().map(contour).collect();
+        intersection(&[contour(&self.0)], &other, InsideRule::EvenOdd).iter().any(|part| area(part) > 0.0)
     }
 
     /// Measures a frame. `room` is where people can be, which Voronoi cells need.
