@@ -4,9 +4,11 @@ says.
     symbols.py FILE…
 
 ELF: no function is newer than glibc 2.17, and only libraries of glibc are needed (readelf of binutils). PE: only DLLs
-of Windows are needed, and not what opens a console window (objdump of mingw-w64's binutils). Mach-O: only the library
+of Windows are needed, and not what opens a console window (objdump of mingw-w64's binutils). Mach-O: only libraries
 of the system. Libraries show the functions of FMI and CrowdMechanics, commands none; the extension of the Python package
-shows what Python asks for, too, and needs Python on Windows. In ELF and PE there are no other symbols.
+shows what Python asks for, too, and needs Python on Windows. In ELF and PE there are no other symbols. In Mach-O there
+are: zig's linker cannot hide them, and a Mac binds a symbol to the library that it was linked with. Both processors must
+show the functions.
 """
 
 import re
@@ -23,7 +25,7 @@ PE_NEEDS = {
     "msvcrt.dll", "ntdll.dll", "ole32.dll", "oleaut32.dll", "psapi.dll", "shell32.dll", "user32.dll", "userenv.dll",
     "ws2_32.dll",
 }
-MACH_NEEDS = {"/usr/lib/libSystem.B.dylib", "/usr/lib/libiconv.2.dylib"}
+MACH_NEEDS = {f"/usr/lib/{name}.dylib" for name in ("libSystem.B", "libcharset.1", "libiconv.2")}
 SHOWN = re.compile(r"fmi[23][A-Z]\w*|CrowdMechanics")
 EXTENSION, PYTHON = "PyInit__native", "python3.dll"
 
@@ -65,8 +67,9 @@ def mach(path: Path) -> tuple[set[str], set[str], str]:
     if data[:4] == b"\xca\xfe\xba\xbe":
         (count,) = struct.unpack_from(">I", data, 4)
         places = [struct.unpack_from(">5I", data, 8 + 20 * k)[2] for k in range(count)]
-    needed, shown = set(), set()
+    needed, of_all = set(), []
     for place in places:
+        shown = set()
         commands, at = struct.unpack_from("<I", data, place + 16)[0], place + 32
         for _ in range(commands):
             kind, size = struct.unpack_from("<2I", data, at)
@@ -81,7 +84,8 @@ def mach(path: Path) -> tuple[set[str], set[str], str]:
                         begin = place + strings + name
                         shown.add(data[begin : data.index(b"\0", begin)].decode().removeprefix("_"))
             at += size
-    return needed - MACH_NEEDS, shown, f"{len(places)} processors"
+        of_all.append({name for name in shown if SHOWN.fullmatch(name)})
+    return needed - MACH_NEEDS, set.intersection(*of_all), f"{len(places)} processors"
 
 
 def main() -> None:
