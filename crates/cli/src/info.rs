@@ -18,6 +18,10 @@ pub struct Arguments {
     only: Option<String>,
 }
 
+/// Descriptions are shown of an FMU with at most so many variables: those of people fill screens, and documentation says
+/// them once.
+const MOST_DESCRIBED: usize = 60;
+
 pub fn info(arguments: &Arguments) -> Result<()> {
     let fmu = Fmu::open(&arguments.fmu)?;
     let description = &fmu.description;
@@ -54,8 +58,9 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     )?;
     let wanted = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only));
     let rows = description.singles().filter(|(name, single)| wanted(name) || wanted(&single.variable.name));
-    let rows: Vec<[String; 5]> = rows.map(|(name, single)| row(name, single)).collect();
-    let head = ["name", "", "unit", "start", "description"].map(str::to_owned);
+    let described = description.singles().count() <= MOST_DESCRIBED;
+    let rows: Vec<[String; 5]> = rows.map(|(name, single)| row(name, single, described)).collect();
+    let head = ["name", "", "unit", "start", if described { "description" } else { "" }].map(str::to_owned);
     let mut widths = [0; 5];
     for row in std::iter::once(&head).chain(&rows) {
         for (width, cell) in widths.iter_mut().zip(row) {
@@ -70,7 +75,7 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-fn row(name: String, single: Single) -> [String; 5] {
+fn row(name: String, single: Single, described: bool) -> [String; 5] {
     let (variable, start) = (single.variable, single.variable.start_of(single.element));
     let unit = match variable.of.class() {
         FmiType::Real => variable.unit.clone().unwrap_or_default(),
@@ -83,6 +88,6 @@ fn row(name: String, single: Single) -> [String; 5] {
         Some(Causality::StructuralParameter) => "size",
         _ => "other",
     };
-    let described = variable.description.clone().unwrap_or_default();
-    [name, causality.into(), unit, start.unwrap_or_default().to_owned(), described]
+    let description = variable.description.clone().filter(|_| described).unwrap_or_default();
+    [name, causality.into(), unit, start.unwrap_or_default().to_owned(), description]
 }
