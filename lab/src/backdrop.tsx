@@ -2,21 +2,22 @@
 
 import { computed, effect, signal, untracked } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { type Inks, label, strokes, through } from "./draw";
+import { strokes, through } from "./draw";
 import { ready, shape } from "./drawn";
 import type { Backdrop } from "./forms";
 import { MOST } from "./forms";
+import { draws, handles } from "./handles";
 import { t } from "./language";
-import { Button, length, LengthField, Range } from "./parts";
+import { Button, LengthField, Range } from "./parts";
 import { change, keysInUse, opened, plan } from "./plan";
 import type { Point } from "./protocol";
 import { distance, rings } from "./roomshape";
 import { room } from "./roomtool";
 import { bases, problem, said } from "./session";
 import { brief, keep, kept } from "./store";
-import { begun, drawingKey, endOf, hover, mode, over, sketch, turn } from "./tool";
+import { begin, endOf, mode, over, sketch, turn } from "./tool";
 import { FileInput, tooLong } from "./upload";
-import { inMetres, toPixels, type View } from "./view";
+import { toPixels, type View } from "./view";
 
 /** In byte: the largest file; in pixels: the largest picture, its longest side as it is kept, and that of a drawing. */
 const MOST_BYTES = 20e6;
@@ -131,61 +132,32 @@ export function reachOfBackdrop(): Point[] {
     return now ? [now.at, [now.at[0] + now.width, now.at[1] + now.width * now.aspect]] : [];
 }
 
-/** Ends of a line on the picture whose length is known. */
-const ends = sketch;
-
-over.measure = {
-    draws: () => true,
-    down: () => true,
-    move: ({ at }) => void (hover.value = at),
-    up({ at, reach }) {
-        const last = ends.value.at(-1);
-        // The second half of a double click ends no line, and begins none.
-        if (last && distance(last, at) < reach) return;
-        ends.value = ends.value.length === 1 ? [last!, at] : [at];
+draws({
+    // Its ends stay until its length is known.
+    scale: {
+        points: [2, 2],
+        place: ({ at }) => at,
+        done(ends) {
+            begin("scale");
+            sketch.value = ends;
+        },
+        paint(context, ends, view, inks) {
+            through(context, ends);
+            strokes(context, [[inks.mark, (3 * devicePixelRatio) / view.scale]]);
+        },
     },
-    key: (event) => drawingKey(event, () => {}),
-    paint(context, view, inks) {
-        const [from, to] = [ends.value[0], ends.value[1] ?? hover.value];
-        if (from && to) paintMeasure(context, from, to, view, inks);
-    },
-};
-
-function paintMeasure(context: CanvasRenderingContext2D, from: Point, to: Point, view: View, inks: Inks) {
-    inMetres(context, view);
-    through(context, [from, to]);
-    strokes(context, [[inks.mark, (3 * devicePixelRatio) / view.scale]]);
-    label(context, length(distance(from, to), plan.value.unit), [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2], view, inks);
-}
-
-let held: { at: Point; from: Backdrop } | null = null;
-
-over.move = {
-    draws: () => true,
-    down({ at }) {
-        const now = plan.value.backdrop;
-        held = now && { at, from: now };
-        return held !== null;
-    },
-    move({ at }, pressed) {
-        if (!pressed || !held) return;
-        const { from } = held;
-        moved.value = { ...from, at: [0, 1].map((k) => Number((from.at[k]! + at[k]! - held!.at[k]!).toFixed(3))) as Point };
-    },
-    up() {
-        const next = moved.value;
-        held = moved.value = null;
-        if (next) change({ backdrop: next });
-    },
-    cancel: () => void (held = moved.value = null),
-    key: (event) => drawingKey(event, () => {}),
-};
-
-effect(() => {
-    begun.value;
-    held = moved.value = null;
 });
-const end = () => endOf(["measure", "move"]);
+
+over.move = handles<Backdrop, Point>({
+    draws: () => true,
+    now: () => plan.value.backdrop,
+    dragged: moved,
+    grab: (_, { at }) => ({ part: at }),
+    drag: (start, { at }, from) => ({ ...from, at: [0, 1].map((k) => Number((from.at[k]! + at[k]! - start[k]!).toFixed(3))) as Point }),
+    put: (backdrop) => change({ backdrop }),
+});
+
+const end = () => endOf(["scale", "move"]);
 
 // They are of one picture, which lies under one room.
 effect(() => {
@@ -197,7 +169,7 @@ effect(() => {
 
 /** The line gets this length; its first end stays where it is. */
 function setLength(now: Backdrop, known: number) {
-    const [from, to] = ends.value as [Point, Point];
+    const [from, to] = sketch.value as [Point, Point];
     const by = known / distance(from, to);
     const width = Number((by * now.width).toFixed(4));
     if (!(width >= NARROWEST && width <= WIDEST)) {
@@ -215,8 +187,8 @@ export function BackdropForms() {
     useEffect(() => () => void end(), []);
     if (!now) return null;
     const set = (part: Partial<Backdrop>) => change({ backdrop: { ...now, ...part } });
-    const measuring = mode.value === "measure";
-    const [from, to] = measuring ? ends.value : [];
+    const measuring = mode.value === "scale";
+    const [from, to] = measuring ? sketch.value : [];
     return (
         <fieldset class="fields">
             <legend>
@@ -229,7 +201,7 @@ export function BackdropForms() {
                 </>
             )}
             <div class="buttons">
-                <Button words={t("Set the scale by a known length")} aria-pressed={measuring} onClick={() => turn("measure")} />
+                <Button words={t("Set the scale by a known length")} aria-pressed={measuring} onClick={() => turn("scale")} />
                 <Button words={t("Move it with the mouse")} aria-pressed={mode.value === "move"} onClick={() => turn("move")} />
                 <Button words={t("Remove the picture")} onClick={() => (end(), change({ backdrop: null }))} />
             </div>

@@ -95,7 +95,7 @@ function reach({ scene }: Film): Point[] {
 function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter, frame: Float32Array, layers: Layers, now: View, inks: Inks) {
     const { scene } = film;
     const { tab, colour, unit, view: kind, line, area } = plan.value;
-    const helper = active.value;
+    const helper = tool.value;
     // While it plays, a picture follows anyway: none is needed because frames were computed.
     const scale = film.playing.value ? untracked(() => scaleOf(film, colour)) : scaleOf(film, colour);
     const shades = Array.from(values(film, film.shown.value, colour), (value) => shade(scale, value));
@@ -140,9 +140,9 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
         const at: Point = [frame[COLUMNS * under]!, frame[COLUMNS * under + 1]!];
         label(context, told(film, under), above(at, (0.45 * now.scale) / devicePixelRatio, (0.45 * now.scale) / devicePixelRatio, now), now, inks);
     }
-    if (helper?.paint) {
+    for (const one of new Set([helper, active.value])) {
         inMetres(context, now);
-        helper.paint(context, now, inks);
+        one?.paint?.(context, now, inks);
     }
 }
 
@@ -262,6 +262,11 @@ function useHands(agentAt: (at: Point) => number | null) {
         const [one, other] = [...state.fingers.values()] as [Point, Point];
         return { x: (one[0] + other[0]) / 2, y: (one[1] + other[1]) / 2, wide: Math.hypot(one[0] - other[0], one[1] - other[1]) };
     };
+    /** What is drawn on should not move, nor people meanwhile. */
+    const still = () => {
+        fits.value = false;
+        if (film.value) film.value.playing.value = false;
+    };
     /** What a tool began is as before. */
     const giveUp = () => {
         if (state.mode === "pressed" || state.mode === "tool") state.tool?.cancel?.();
@@ -283,11 +288,7 @@ function useHands(agentAt: (at: Point) => number | null) {
         state.start = at;
         state.tool = active.value;
         state.mode = event.button === 0 && state.tool?.down?.(pointer(event, double)) ? "pressed" : "ground";
-        // What is drawn on should not move, nor people meanwhile.
-        if (state.mode === "pressed") {
-            fits.value = false;
-            if (film.value) film.value.playing.value = false;
-        }
+        if (state.mode === "pressed" && state.tool?.draws?.()) still();
     };
     const onPointerMove = (event: PointerEvent) => {
         const at = pixel(event);
@@ -309,7 +310,10 @@ function useHands(agentAt: (at: Point) => number | null) {
         state.fingers.set(event.pointerId, at);
         // A hand trembles: a click moves nothing.
         if (Math.hypot(at[0] - state.start[0], at[1] - state.start[1]) > 4 * devicePixelRatio) {
-            if (state.mode === "pressed") state.mode = "tool";
+            if (state.mode === "pressed") {
+                still();
+                state.mode = "tool";
+            }
             if (state.mode === "ground") state.mode = "moving";
         }
         if (state.mode === "tool") return state.tool?.move?.(pointer(event), true);

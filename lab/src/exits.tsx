@@ -3,9 +3,9 @@
 import { middleOf } from "./drawplaces";
 import { inner, t } from "./language";
 import { picked } from "./motionstate";
+import { remove, setDecision } from "./motiontool";
 import { MOST } from "./forms";
 import { OpenTimes } from "./opentimes";
-import { remove, setDecision } from "./exittool";
 import { Button, Check, Choice, Field, named, NumberField, PointRow } from "./parts";
 import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, ROTATIONAL, shaped } from "./places";
 import type { BalanceName, DecisionConfig, Place, Point, Rotational } from "./protocol";

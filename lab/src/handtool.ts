@@ -5,11 +5,11 @@ import { count, t } from "./language";
 import { circle, strokes, through } from "./draw";
 import { digits } from "./parts";
 import { MOST } from "./forms";
+import { handles } from "./handles";
 import { plan } from "./plan";
 import { COLUMNS, type Edit, isThere, type Overlaps, type PersonRequest, type Point, type Scene } from "./protocol";
 import { away, distance } from "./roomshape";
 import { choose, client, film, problem, selected, selectNext } from "./session";
-import type { Pointer, Tool } from "./tool";
 import { inMetres } from "./view";
 
 export interface Pose {
@@ -22,13 +22,13 @@ export interface Pose {
 /** Distance of the handle that turns from the middle of the person, in m. */
 const ARM = 0.5;
 
+/** Nobody is selected yet. */
+const NOBODY: Pose = { agent: -1, x: 0, y: 0, theta: 0 };
 /** Where somebody is dragged to; it stays until the scene with it is there. */
 const pose = signal<Pose | null>(null);
 const overlaps = signal<Overlaps | null>(null);
 /** Those whom the dragged person overlapped before. */
 let partners: number[] = [];
-let turning = false;
-let offset: Point = [0, 0];
 let asking = false;
 
 /** People can be moved where they start only. */
@@ -77,8 +77,8 @@ async function ask() {
     }
 }
 
-function begin(at: Pose) {
-    pose.value = at;
+/** Whom somebody overlaps before a drag. */
+function seek(at: Pose) {
     overlaps.value = null;
     partners = [];
     const run = film.value!.scene.run;
@@ -86,7 +86,7 @@ function begin(at: Pose) {
         .ask<Overlaps>({ ask: "overlaps", run, ...at })
         .then(({ value }) => {
             partners = value.agents;
-            if (pose.peek() === at) overlaps.value = value;
+            if (pose.peek()) overlaps.value ??= value;
         })
         .catch(() => {});
 }
@@ -187,57 +187,35 @@ function handle({ x, y, theta }: Pose): Point {
     return [x + ARM * Math.cos(theta), y + ARM * Math.sin(theta)];
 }
 
-export const handTool: Tool = {
-    down(pointer: Pointer) {
-        if (!movable.value) return false;
-        const now = chosen.value;
-        if (now) {
-            const [x, y] = handle(now);
-            turning = Math.hypot(pointer.at[0] - x, pointer.at[1] - y) < pointer.reach;
-            if (turning) {
-                begin(now);
-                return true;
-            }
+/** Where it was pressed from the middle of the person, or the handle that turns. */
+export const handTool = handles<Pose, Point | "turn">({
+    now: () => (movable.value ? chosen.value : null) ?? NOBODY,
+    dragged: pose,
+    grab(now, pointer) {
+        if (!movable.value) return null;
+        if (now !== NOBODY && distance(handle(now), pointer.at) < pointer.reach) {
+            seek(now);
+            return { part: "turn" };
         }
-        const { agent } = pointer;
-        if (agent === null) return false;
-        selected.value = agent;
-        const at = chosen.value!;
-        offset = [at.x - pointer.at[0], at.y - pointer.at[1]];
-        begin(at);
-        return true;
+        if (pointer.agent === null) return null;
+        selected.value = pointer.agent;
+        const from = chosen.value!;
+        seek(from);
+        return { part: [from.x - pointer.at[0], from.y - pointer.at[1]], from };
     },
-    move({ at, shift }, pressed) {
-        const now = pose.value;
-        if (!pressed || !now) return;
-        if (turning) {
-            const angle = Math.atan2(at[1] - now.y, at[0] - now.x);
-            const step = Math.PI / 12;
-            pose.value = { ...now, theta: shift ? Math.round(angle / step) * step : angle };
-        } else pose.value = { ...now, x: at[0] + offset[0], y: at[1] + offset[1] };
+    drag(part, { at, shift }, from) {
         void ask();
+        if (part !== "turn") return { ...from, x: at[0] + part[0], y: at[1] + part[1] };
+        const angle = Math.atan2(at[1] - from.y, at[0] - from.x);
+        const step = Math.PI / 12;
+        return { ...from, theta: shift ? Math.round(angle / step) * step : angle };
     },
-    cancel() {
-        turning = false;
-        forget();
-    },
-    up() {
-        const now = pose.value;
-        turning = false;
-        if (!now) return;
-        const frame = film.value!.frames.frame(0);
-        const [x, y, theta] = [0, 1, 2].map((k) => frame[COLUMNS * now.agent + k]!) as [number, number, number];
-        if (Math.hypot(now.x - x, now.y - y) < 1e-3 && Math.abs(now.theta - theta) < 1e-3) forget();
-        else put(now);
-    },
-    key(event) {
+    put,
+    remove: () => movable.value && chosen.value !== null && (drop(chosen.value), true),
+    step([dx, dy]) {
         const now = chosen.value;
         if (!now || !movable.value) return false;
-        const steps: Record<string, Point> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-        const step = steps[event.key];
-        if (event.key === "Delete") drop(now);
-        else if (event.shiftKey && step) put({ ...now, x: now.x + 0.05 * step[0], y: now.y + 0.05 * step[1] });
-        else return false;
+        put({ ...now, x: now.x + dx, y: now.y + dy });
         return true;
     },
     frame(frame) {
@@ -269,4 +247,4 @@ export const handTool: Tool = {
         context.fill();
         context.stroke();
     },
-};
+});

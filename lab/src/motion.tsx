@@ -4,7 +4,6 @@ import { effect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { BalanceChoice, Exits, KindSpeeds } from "./exits";
-import { exitTool } from "./exittool";
 import { MOST } from "./forms";
 import { t } from "./language";
 import { motion, picked, setMotion } from "./motionstate";
@@ -54,7 +53,7 @@ export function setKind(kind: Motion["kind"]) {
 export function MotionTab() {
     useEffect(() => () => void (picked.value = null), []);
     const now = motion.value;
-    useTool(now.kind === "go" ? exitTool : motionTool, MOTION);
+    useTool(motionTool, MOTION);
     return (
         <section class="panel" aria-label={t("Motion")}>
             <h2>{t("Motion")}</h2>

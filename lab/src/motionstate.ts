@@ -3,9 +3,8 @@
 import { computed, effect, signal } from "@preact/signals";
 import { plan } from "./plan";
 import type { Motion } from "./protocol";
-import { snapped } from "./roomshape";
 import { bases, choose } from "./session";
-import { begin, begun, drawingKey, type Pointer, sketch } from "./tool";
+import { begin } from "./tool";
 
 /** The push, the way, or the place that is marked: of places the number among exits, then goals. */
 export const picked = signal<number | null>(null);
@@ -31,23 +30,6 @@ export function setMotion(next: Motion) {
     choose({ motion: empty ? { kind: "none" } : next }, false);
 }
 
-/** A click makes the next point; a double click ends it, and so does the last point there may be. */
-export function addPoint({ at, double }: Pointer, most: number, finish: () => void) {
-    if (!double) sketch.value = [...sketch.value, snapped(at)];
-    if (double || sketch.value.length >= most) finish();
-}
-
-export function toolKey(event: KeyboardEvent, finish: () => void, remove: (k: number) => void): boolean {
-    if (drawingKey(event, finish)) return true;
-    if (event.key !== "Delete" || picked.value === null) return false;
-    remove(picked.value);
-    return true;
-}
-
-effect(() => {
-    begun.value;
-    dragged.value = null;
-});
 // What is drawn belongs to a place: in another one it would lie anywhere.
 effect(() => {
     bases.value;

@@ -1,157 +1,172 @@
-// Drawing pushes and ways on the picture.
+// Pushes, ways, exits and goals, drawn and dragged on the picture.
 
 import { ARROW, label, paintPush, paintWays, tip } from "./draw";
+import { middleOf, paintHandles, paintPlaces } from "./drawplaces";
 import { MOST } from "./forms";
-import { addPoint, dragged, motion, picked, setMotion, standing, toolKey } from "./motionstate";
-import type { Motion, Point, Push, Waypoint } from "./protocol";
+import { aimed, type Drawing, draws, handles } from "./handles";
+import { dragged, motion, picked, setMotion, standing } from "./motionstate";
+import { added, changed, cornersOf, kindOf, placesOf, removed, shaped } from "./places";
+import type { DecisionConfig, Motion, Point, Push, Waypoint } from "./protocol";
 import { distance, snapped } from "./roomshape";
-import { begin, clicks, hover, mode, type Pointer, sketch, type Tool } from "./tool";
-
-/** Which part is dragged: of a push its middle, rim or tip; of a way the number of a point. */
-let part: "middle" | "rim" | "tip" | number = "middle";
+import { film } from "./session";
+import type { Pointer } from "./tool";
 
 export const FIRST_PUSH: Push = { at: [0, 0], radius: 0.5, direction: 0, force: 500, start: 0.2, duration: 0.3 };
 export const FIRST_RADIUS = 0.5;
 
-function wayOf(points: Point[]) {
-    return points.map(([x, y]) => ({ x, y, radius: FIRST_RADIUS }));
-}
-
 type Walk = Extract<Motion, { kind: "walk" }>;
+
+const wayOf = (points: Point[]) => points.map(([x, y]) => ({ x, y, radius: FIRST_RADIUS }));
 
 /** With another way, which gets a share where the others have one. */
 export function withWay(now: Walk, way: Waypoint[]): Walk {
     return { ...now, ways: [...now.ways, way], shares: now.shares && [...now.shares, 1] };
 }
 
-function finish() {
-    const way = wayOf(sketch.value);
-    const now = standing.value;
-    begin("change");
-    if (now.kind !== "walk" || way.length === 0) return;
-    picked.value = now.ways.length;
-    setMotion(withWay(now, way));
-}
+export const setDecision = (decision: DecisionConfig) => setMotion({ kind: "go", decision });
 
 /** An arrow of no length would push nobody. */
 const LEAST = 10;
 
 /** A push whose arrow ends there. */
-function aimed(push: Push, to: Point): Push {
+function pushTo(push: Push, to: Point): Push {
     const [dx, dy] = [to[0] - push.at[0], to[1] - push.at[1]];
     const force = Math.max(LEAST, Math.round((ARROW * Math.hypot(dx, dy)) / 10) * 10);
     return { ...push, force, direction: Math.round((Math.atan2(dy, dx) * 180) / Math.PI) };
 }
 
-function grab({ at, reach }: Pointer): boolean {
-    const now = standing.value;
+const drawnPush = (points: Point[]) => pushTo({ ...FIRST_PUSH, at: points[0]! }, points.at(-1)!);
+export const pushWords = ({ force, direction }: Push) => `${force} N, ${direction}°`;
+
+function place(kind: "exit" | "goal", line: boolean): Drawing {
+    return {
+        points: line ? [2, 2] : [3, MOST.corners],
+        closes: true,
+        done(corners) {
+            if (standing.value.kind !== "go") return;
+            const { decision } = standing.value;
+            const next = added(decision, kind, corners);
+            picked.value = kind === "exit" ? decision.exits.length : next.exits.length + decision.goals.length;
+            setDecision(next);
+        },
+        paint: (context, corners, view, inks) => paintPlaces(context, [{ name: "", stay: kind === "goal", corners }], view, inks, 0),
+    };
+}
+
+draws({
+    push: {
+        points: [1, 1],
+        drag: true,
+        done(points, drags) {
+            const now = standing.value;
+            if (now.kind !== "push" || now.pushes.length >= MOST.parts) return;
+            const push = drawnPush(points);
+            picked.value = now.pushes.length;
+            // A click without an arrow is a push with the usual force.
+            setMotion({ ...now, pushes: [...now.pushes, drags && push.force > LEAST ? push : { ...push, force: FIRST_PUSH.force }] });
+        },
+        // The tip need not be on the grid.
+        place: ({ at }, from) => (from ? at : snapped(at)),
+        paint: (context, points, view, inks) => paintPush(context, drawnPush(points), -1, view, inks, true),
+        words: (points) => (points.length > 1 ? pushWords(drawnPush(points)) : undefined),
+    },
+    way: {
+        points: [1, MOST.points],
+        done(points) {
+            const now = standing.value;
+            if (now.kind !== "walk") return;
+            picked.value = now.ways.length;
+            setMotion(withWay(now, wayOf(points)));
+        },
+        paint: (context, points, view, inks) => paintWays(context, [wayOf(points)], view, inks, 0),
+    },
+    "exit line": place("exit", true),
+    "exit area": place("exit", false),
+    "goal line": place("goal", true),
+    "goal area": place("goal", false),
+});
+
+/** Which part is dragged: of a push its middle, rim or tip; a point of a way or a place by its number, or all of a place. */
+type Part = "middle" | "rim" | "tip" | "all" | number;
+
+/** The push, way or place under the pointer, and which part of it. */
+function under(now: Motion, { at, reach }: Pointer): [k: number, part: Part] | null {
+    const near = (points: Point[], far: number) => points.findIndex((point) => distance(at, point) < far);
+    const parts = (
+        now.kind === "push"
+            ? now.pushes.map((push) => {
+                  const away = distance(at, push.at);
+                  return distance(at, tip(push)) < reach ? "tip" : away < reach ? "middle" : Math.abs(away - push.radius) < reach ? "rim" : -1;
+              })
+            : now.kind === "walk"
+              ? now.ways.map((way) => near(way.map(({ x, y }) => [x, y]), 1.5 * reach))
+              : now.kind === "go"
+                ? placesOf(now.decision).map((place) => {
+                      const corners = cornersOf(place);
+                      const corner = near(corners, reach);
+                      return corner < 0 && distance(at, middleOf(corners)) < 1.5 * reach ? "all" : corner;
+                  })
+                : []
+    ) as Part[];
+    const k = parts.findIndex((part) => part !== -1);
+    return k < 0 ? null : [k, parts[k]!];
+}
+
+function moved(now: Motion, k: number, part: Part, pointer: Pointer): Motion {
+    const { at } = pointer;
+    const other = <T>(all: T[], change: (one: T) => T) => all.map((one, j) => (j === k ? change(one) : one));
     if (now.kind === "push") {
-        for (const [k, push] of now.pushes.entries()) {
-            const away = distance(at, push.at);
-            if (distance(at, tip(push)) < reach) part = "tip";
-            else if (away < reach) part = "middle";
-            else if (Math.abs(away - push.radius) < reach) part = "rim";
-            else continue;
-            picked.value = k;
-            return true;
-        }
+        const change = (push: Push) => (part === "tip" ? pushTo(push, at) : part === "rim" ? { ...push, radius: Math.max(0.1, Number(distance(at, push.at).toFixed(2))) } : { ...push, at: snapped(at) });
+        return { ...now, pushes: other(now.pushes, change) };
     }
     if (now.kind === "walk") {
-        for (const [w, way] of now.ways.entries()) {
-            const k = way.findIndex(({ x, y }) => distance(at, [x, y]) < 1.5 * reach);
-            if (k < 0) continue;
-            [picked.value, part] = [w, k];
-            return true;
-        }
-    }
-    return false;
-}
-
-function dragTo({ at }: Pointer) {
-    const now = dragged.value;
-    if (now?.kind === "push") {
-        const pushes = now.pushes.map((push, k) => {
-            if (k !== picked.value) return push;
-            if (part === "tip") return aimed(push, at);
-            if (part === "rim") return { ...push, radius: Math.max(0.1, Number(distance(at, push.at).toFixed(2))) };
-            return { ...push, at: snapped(at) };
-        });
-        dragged.value = { ...now, pushes };
-    } else if (now?.kind === "walk") {
         const [x, y] = snapped(at);
-        const ways = now.ways.map((way, w) => (w === picked.value ? way.map((point, k) => (k === part ? { ...point, x, y } : point)) : way));
-        dragged.value = { ...now, ways };
+        return { ...now, ways: other(now.ways, (way) => way.map((point, j) => (j === part ? { ...point, x, y } : point))) };
     }
+    if (now.kind !== "go") return now;
+    const place = placesOf(now.decision)[k]!;
+    const corners = cornersOf(place);
+    const [x, y] = middleOf(corners);
+    const shift = (corner: Point, j: number): Point => (part === "all" ? snapped([corner[0] + at[0] - x, corner[1] + at[1] - y]) : j === part ? aimed(pointer, corners.at(j - 1)) : corner);
+    return { kind: "go", decision: changed(now.decision, k, shaped(place, corners.map(shift))) };
 }
 
-function press(pointer: Pointer): boolean {
-    const now = standing.value;
-    clicks.held = null;
-    if (mode.value === "push" && now.kind === "push") {
-        part = "tip";
-        picked.value = now.pushes.length;
-        const push: Push = { ...FIRST_PUSH, at: snapped(pointer.at), force: LEAST };
-        dragged.value = { ...now, pushes: [...now.pushes, push].slice(0, MOST.parts) };
-        return true;
-    }
-    if (mode.value === "way" && now.kind === "walk") {
-        clicks.held = pointer;
-        return true;
-    }
-    if (!grab(pointer)) return false;
-    dragged.value = now;
-    return true;
-}
-
-export const motionTool: Tool = {
-    draws: () => mode.value !== "change",
-    down: press,
-    move(pointer, pressed) {
-        hover.value = snapped(pointer.at);
-        if (pressed && dragged.value) dragTo(pointer);
+export const motionTool = handles<Motion, [k: number, part: Part]>({
+    now: () => standing.value,
+    dragged,
+    grab(now, pointer) {
+        const part = under(now, pointer);
+        if (part) picked.value = part[0];
+        return part && { part };
     },
-    cancel() {
-        clicks.held = null;
-        if (dragged.value && mode.value === "push") picked.value = null;
-        dragged.value = null;
+    drag: ([k, part], pointer, from) => moved(from, k, part, pointer),
+    put: setMotion,
+    remove() {
+        const k = picked.value;
+        if (k !== null) remove(k);
+        return k !== null;
     },
-    up() {
-        const { held } = clicks;
-        clicks.held = null;
-        if (held && mode.value === "way") addPoint(held, MOST.points, finish);
-        const next = dragged.value;
-        if (!next) return;
-        const drawn = mode.value === "push";
-        begin("change");
-        if (next.kind !== "push") return setMotion(next);
-        // A click without an arrow is a push with the usual force.
-        const usual = (push: Push) => (drawn && push.force <= LEAST ? { ...push, force: FIRST_PUSH.force } : push);
-        setMotion({ ...next, pushes: next.pushes.map((push, k) => (k === picked.value ? usual(push) : push)) });
-    },
-    key: (event) => toolKey(event, finish, remove),
+    // There should be room for exits beyond doors.
+    extent: () => (standing.value.kind === "go" && film.value?.scene.beyond_doors.flat()) || [],
     paint(context, view, inks) {
-        const now = motion.value;
-        if (now.kind === "push") {
-            const drag = dragged.value !== null;
-            now.pushes.forEach((push, k) => {
-                if (k !== picked.value) return;
-                paintPush(context, push, -1, view, inks, true);
-                if (drag) label(context, `${push.force} N, ${push.direction}°`, tip(push), view, inks);
-            });
+        const [now, drags, k] = [motion.value, dragged.value !== null, picked.value];
+        if (now.kind === "push" && k !== null && now.pushes[k]) {
+            paintPush(context, now.pushes[k], -1, view, inks, true);
+            if (drags) label(context, pushWords(now.pushes[k]), tip(now.pushes[k]), view, inks);
         }
-        if (now.kind === "walk") {
-            if (dragged.value) paintWays(context, now.ways, view, inks, picked.value);
-            if (mode.value === "way") {
-                const next = hover.value ? [hover.value] : [];
-                paintWays(context, [wayOf([...sketch.value, ...next])], view, inks, 0);
-            }
-        }
+        if (now.kind === "walk" && drags) paintWays(context, now.ways, view, inks, k);
+        if (now.kind !== "go") return;
+        const places = placesOf(now.decision).map((place, k) => ({ name: place.name, stay: kindOf(now.decision, k) === "goal", corners: cornersOf(place) }));
+        if (drags) paintPlaces(context, places, view, inks, k);
+        places.forEach(({ stay, corners }, j) => paintHandles(context, corners, view, inks, stay ? inks.goal : inks.exit, j === k));
     },
-};
+});
 
 export function remove(k: number) {
     const now = standing.value;
+    const without = <T>(all: T[]) => all.filter((_, j) => j !== k);
     picked.value = null;
-    if (now.kind === "push") setMotion({ ...now, pushes: now.pushes.filter((_, j) => j !== k) });
-    if (now.kind === "walk") setMotion({ ...now, ways: now.ways.filter((_, j) => j !== k), shares: now.shares && now.shares.filter((_, j) => j !== k) });
+    if (now.kind === "push") setMotion({ ...now, pushes: without(now.pushes) });
+    if (now.kind === "walk") setMotion({ ...now, ways: without(now.ways), shares: now.shares && without(now.shares) });
+    if (now.kind === "go") setDecision(removed(now.decision, k));
 }

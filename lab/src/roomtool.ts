@@ -1,17 +1,16 @@
 // Drawing and changing a room by pointer and keys.
 
 import { computed, effect, signal } from "@preact/signals";
-import { circle, handle, type Inks, label, through } from "./draw";
+import { circle, handle, type Inks, through } from "./draw";
 import { drawn, edited } from "./drawn";
+import { aimed, type Drawing, draws, handles, sides } from "./handles";
 import { t } from "./language";
-import { length } from "./parts";
 import { MOST, roomFits } from "./forms";
 import { change, plan } from "./plan";
 import type { Point, Room } from "./protocol";
-import { canLose, closes, distance, rings, snapped, spanned, squared, wallAt } from "./roomshape";
+import { canLose, closes, distance, rings, snapped, spanned, wallAt } from "./roomshape";
 import { bases, choose, problem, trialWalls } from "./session";
-import { begin, begun, clicks, drawingKey, hover, mode, type Pointer, sketch, type Tool } from "./tool";
-import { inMetres, type View } from "./view";
+import { begin, begun, mode, type Pointer, ROOM } from "./tool";
 
 /** Width of a new door, in m. */
 const DOOR = 1;
@@ -21,8 +20,6 @@ export const picked = signal<Part | null>(null);
 
 /** While something is dragged. */
 const dragged = signal<Room | null>(null);
-/** The room as it was pressed on. */
-let pressed: Room | null = null;
 
 /** Whether the walls of the Trial on the stage are changed, or the room of the forms; null: whichever is nearer at hand. */
 const chosen = signal<"trial" | "forms" | null>(null);
@@ -95,17 +92,17 @@ export const takeBack = () => setTrial();
 
 effect(() => {
     begun.value;
-    dragged.value = picked.value = null;
+    picked.value = null;
 });
 
+/** A rectangle is drawn by two corners, all else by as many as it has. */
+const isSpan = (kind: string) => kind === "rectangle" || kind === "region";
+
 /** What is drawn becomes a part of the room. */
-function finish() {
-    const corners = sketch.value;
+function add(kind: (typeof ROOM)[number], points: Point[]) {
     const { crowd } = plan.value;
-    const kind = mode.value;
     const now = room.value;
-    begin("change");
-    if (corners.length < (kind === "wall" ? 2 : 3)) return;
+    const corners = isSpan(kind) ? spanned(points[0]!, points[1]!) : points;
     if (kind === "outline") return change({ crowd: { ...crowd, room: { outline: corners, obstacles: [], doors: [] }, region: null }, drawn: null });
     if (kind === "region") return change({ crowd: { ...crowd, region: corners } });
     if (rings(now).length > MOST.walls) {
@@ -142,17 +139,16 @@ export function insert(into: Room, ring: number, side: number, at?: Point): Room
 }
 
 /** The part under the pointer: doors first, then corners, then a wall, which gets a corner. */
-function grab({ at, reach }: Pointer): { part: Part; room: Room } | null {
-    const now = room.value;
+function grab(now: Room, { at, reach }: Pointer): { part: Part; from?: Room } | null {
     const door = now.doors.findIndex((given) => distance(given.at, at) < Math.max(reach, given.width / 3));
-    if (door >= 0) return { part: { kind: "door", k: door }, room: now };
+    if (door >= 0) return { part: { kind: "door", k: door } };
     for (const [ring, corners] of rings(now).entries()) {
         const k = corners.findIndex((corner) => distance(corner, at) < reach);
-        if (k >= 0) return { part: { kind: "corner", ring, k }, room: now };
+        if (k >= 0) return { part: { kind: "corner", ring, k } };
     }
     const { near } = drawn(now, at);
     if (!near || near.away >= reach || rings(now)[near.ring]!.length >= MOST.outline) return null;
-    return { part: { kind: "corner", ring: near.ring, k: near.side + 1 }, room: insert(now, near.ring, near.side, at) };
+    return { part: { kind: "corner", ring: near.ring, k: near.side + 1 }, from: insert(now, near.ring, near.side, at) };
 }
 
 /** A corner of a wall that is near: those of a Trial lie on no grid. */
@@ -162,113 +158,85 @@ function cornerNear({ at, reach }: Pointer, but?: { ring: number; k: number }): 
     return others.find((corner) => distance(corner, at) < reach);
 }
 
-function dragTo(pointer: Pointer) {
-    const part = picked.value;
-    const now = pressed;
-    if (!part || !dragged.value || !now) return;
-    const { at, shift } = pointer;
-    if (part.kind === "door") {
-        const { near } = drawn(now, at);
-        dragged.value = { ...now, doors: now.doors.map((door, k) => (k === part.k && near ? { ...door, at: snapped(near.at) } : door)) };
-        return;
-    }
-    const { ring, k: corner } = part;
-    const corners = rings(now)[ring]!;
-    // The last corner of a closed wall is the first one.
-    const before = corners.at(corner === 0 && closes(corners) ? -2 : corner - 1)!;
-    dragged.value = edited(now, { do: "move", ring, corner, to: cornerNear(pointer, part) ?? snapped(shift ? squared(at, before) : at) });
+function place(pointer: Pointer, last: Point | undefined): Point {
+    return cornerNear(pointer) ?? aimed(pointer, last);
 }
 
-function next(pointer: Pointer): Point {
-    const last = sketch.value.at(-1);
-    return cornerNear(pointer) ?? snapped(pointer.shift && last ? squared(pointer.at, last) : pointer.at);
+const doorAt = (at: Point) => ({ ...draft.value, doors: [{ at, width: DOOR }] });
+
+for (const kind of ROOM) {
+    const span = isSpan(kind);
+    const shape: Drawing = {
+        points: span ? [2, 2] : [kind === "wall" ? 2 : 3, MOST.corners],
+        drag: span,
+        closes: kind === "wall" ? "again" : true,
+        place,
+        fits: ([from, to]) => !span || (from![0] !== to![0] && from![1] !== to![1]),
+        done: (points) => add(kind, points),
+        paint(context, points, view, inks) {
+            const pixel = devicePixelRatio / view.scale;
+            context.strokeStyle = context.fillStyle = inks.mark;
+            context.lineWidth = 2.5 * pixel;
+            trace(context, span && points[1] ? spanned(points[0]!, points[1]) : points, span);
+            for (const corner of points) {
+                circle(context, corner, 5 * pixel);
+                context.fill();
+            }
+        },
+        words: span ? sides : undefined,
+    };
+    const door: Drawing = {
+        points: [1, 1],
+        place: ({ at }) => drawn(room.value, at).near?.at ?? at,
+        fits: (_, { at, reach }) => (drawn(room.value, at).near?.away ?? Infinity) < 3 * reach && room.value.doors.length < MOST.parts,
+        done([at]) {
+            const { doors } = room.value;
+            setRoom({ ...room.value, doors: [...doors, { at: snapped(at!), width: DOOR }] });
+            picked.value = { kind: "door", k: doors.length };
+        },
+        paint(context, [at], view, inks) {
+            const [course] = drawn(doorAt(at!)).doors;
+            if (course?.length) paintDoor(context, course, devicePixelRatio / view.scale, inks, true);
+        },
+    };
+    draws({ [kind]: kind === "door" ? door : shape });
 }
 
-function press(pointer: Pointer): boolean {
-    const kind = mode.value;
-    clicks.held = null;
-    if (kind === "change") {
-        const found = grab(pointer);
+export const roomTool = handles<Room, Part>({
+    now: () => room.value,
+    dragged,
+    grab(now, pointer) {
+        const found = grab(now, pointer);
         picked.value = found?.part ?? null;
-        if (!found) return false;
-        pressed = found.room;
-        dragged.value = pressed;
-        return true;
-    }
-    if (kind === "rectangle" || kind === "region") sketch.value = [next(pointer)];
-    else clicks.held = pointer;
-    return true;
-}
-
-/** A click while a door or corners are drawn. */
-function click(pointer: Pointer) {
-    if (mode.value === "door") {
-        const now = room.value;
-        const { near } = drawn(now, pointer.at);
-        if (near && near.away < 3 * pointer.reach && now.doors.length < MOST.parts) {
-            setRoom({ ...now, doors: [...now.doors, { at: snapped(near.at), width: DOOR }] });
-            mode.value = "change";
-            picked.value = { kind: "door", k: now.doors.length };
+        return found;
+    },
+    drag(part, pointer, from) {
+        if (part.kind === "door") {
+            const { near } = drawn(from, pointer.at);
+            return { ...from, doors: from.doors.map((door, k) => (k === part.k && near ? { ...door, at: snapped(near.at) } : door)) };
         }
-        return;
-    }
-    const first = sketch.value[0];
-    const round = sketch.value.length >= 3 && distance(pointer.at, first!) < 1.5 * pointer.reach;
-    if (round && mode.value === "wall") sketch.value = [...sketch.value, first!];
-    if (pointer.double || round || sketch.value.length >= MOST.corners) finish();
-    else sketch.value = [...sketch.value, next(pointer)];
-}
-
-const STEPS: Record<string, Point> = { ArrowLeft: [-0.05, 0], ArrowRight: [0.05, 0], ArrowUp: [0, 0.05], ArrowDown: [0, -0.05] };
-
-/** What is marked is moved by a key. */
-function step(part: Part, [dx, dy]: Point) {
-    const now = room.value;
-    const sum = (at: number, by: number) => (by ? Number((at + by).toFixed(4)) : at);
-    const moved = ([x, y]: Point): Point => [sum(x, dx), sum(y, dy)];
-    if (part.kind === "door") setRoom({ ...now, doors: now.doors.map((door, k) => (k === part.k ? { ...door, at: moved(door.at) } : door)) });
-    else setRoom(edited(now, { do: "move", ring: part.ring, corner: part.k, to: moved(rings(now)[part.ring]![part.k]!) }));
-    picked.value = part;
-}
-
-export const roomTool: Tool = {
-    draws: () => mode.value !== "change",
-    down: press,
-    move(pointer, drags) {
-        hover.value = next(pointer);
-        if (drags && dragged.value) dragTo(pointer);
+        const { ring, k: corner } = part;
+        const corners = rings(from)[ring]!;
+        // The last corner of a closed wall is the first one.
+        const before = corners.at(corner === 0 && closes(corners) ? -2 : corner - 1)!;
+        return edited(from, { do: "move", ring, corner, to: cornerNear(pointer, part) ?? aimed(pointer, before) });
     },
-    cancel() {
-        clicks.held = null;
-        dragged.value = null;
-        if (mode.value === "rectangle" || mode.value === "region") sketch.value = [];
-        // A corner of an edge is none yet.
-        if (mode.value === "change") picked.value = null;
+    put: setRoom,
+    remove(whole) {
+        const part = picked.value;
+        // All of an obstacle or a wall.
+        if (part?.kind === "corner" && whole && part.ring > 0) clear(part.ring);
+        else if (part) remove(part);
+        return part !== null;
     },
-    up(pointer) {
-        const kind = mode.value;
-        if (clicks.held && kind !== "change") click(clicks.held);
-        clicks.held = null;
-        if (kind === "rectangle" || kind === "region") {
-            const [from, to] = [sketch.value[0], snapped(pointer.at)];
-            if (!from || from[0] === to[0] || from[1] === to[1]) return;
-            sketch.value = spanned(from, to);
-            return finish();
-        }
-        const moved = dragged.value;
-        dragged.value = null;
-        // A press that moved nothing is no change.
-        if (moved && JSON.stringify(moved) !== JSON.stringify(room.value)) setRoom(moved);
-    },
-    key(event) {
-        if (drawingKey(event, finish)) return true;
-        if ((event.key === "Delete" || event.key === "Backspace") && picked.value) {
-            const { kind, ring } = { ring: 0, ...picked.value };
-            // All of an obstacle or a wall.
-            if (event.shiftKey && kind === "corner" && ring > 0) clear(ring);
-            else remove(picked.value);
-        } else if (event.shiftKey && STEPS[event.key] && picked.value) step(picked.value, STEPS[event.key]!);
-        else return false;
+    step([dx, dy]) {
+        const [part, now] = [picked.value, room.value];
+        if (!part) return false;
+        const sum = (at: number, by: number) => (by ? Number((at + by).toFixed(4)) : at);
+        const moved = ([x, y]: Point): Point => [sum(x, dx), sum(y, dy)];
+        if (part.kind === "door") setRoom({ ...now, doors: now.doors.map((door, k) => (k === part.k ? { ...door, at: moved(door.at) } : door)) });
+        else setRoom(edited(now, { do: "move", ring: part.ring, corner: part.k, to: moved(rings(now)[part.ring]![part.k]!) }));
+        picked.value = part;
         return true;
     },
     extent: () => rings(room.value).flat(),
@@ -286,10 +254,9 @@ export const roomTool: Tool = {
         context.lineWidth = 3 * pixel;
         for (const [ring, corners] of rings(room).entries()) trace(context, corners, !wallAt(room, ring));
         for (const [k, course] of courses.value.entries()) paintDoor(context, course, pixel, inks, isPicked("door", k));
-        if (mode.value === "change") handles(context, room, pixel, inks);
-        else paintSketch(context, view, pixel, inks);
+        if (mode.value === "change") corners(context, room, pixel, inks);
     },
-};
+});
 
 function isPicked(kind: Part["kind"], k: number, ring?: number) {
     const part = picked.value;
@@ -333,7 +300,7 @@ function paintDoor(context: CanvasRenderingContext2D, course: Point[], pixel: nu
     context.setLineDash([]);
 }
 
-function handles(context: CanvasRenderingContext2D, room: Room, pixel: number, inks: Inks) {
+function corners(context: CanvasRenderingContext2D, room: Room, pixel: number, inks: Inks) {
     context.strokeStyle = inks.pick;
     context.lineWidth = 2 * pixel;
     for (const [ring, corners] of rings(room).entries()) {
@@ -344,34 +311,4 @@ function handles(context: CanvasRenderingContext2D, room: Room, pixel: number, i
             handle(context, corner, (marked ? 7 : 5) * pixel, marked ? inks.mark : inks.paper);
         });
     }
-}
-
-function paintSketch(context: CanvasRenderingContext2D, view: View, pixel: number, inks: Inks) {
-    const to = hover.value;
-    const corners = sketch.value;
-    const first = corners[0];
-    context.strokeStyle = inks.mark;
-    context.fillStyle = inks.mark;
-    context.lineWidth = 2.5 * pixel;
-    if (!to) return;
-    if (mode.value === "door") {
-        const [course] = drawn({ ...draft.value, doors: [{ at: to, width: DOOR }] }).doors;
-        return course?.length ? paintDoor(context, course, pixel, inks, true) : undefined;
-    }
-    circle(context, to, 4 * pixel);
-    context.fill();
-    const { unit } = plan.value;
-    if (!first) {
-        return label(context, `${length(to[0], unit)}, ${length(to[1], unit)}`, [to[0], to[1] - 18 * pixel], view, inks);
-    }
-    const spans = mode.value === "rectangle" || mode.value === "region";
-    trace(context, spans ? spanned(first, to) : [...corners, to], spans);
-    for (const corner of corners) {
-        circle(context, corner, 5 * pixel);
-        context.fill();
-    }
-    const last = corners.at(-1)!;
-    const words = spans ? `${length(Math.abs(to[0] - first[0]), unit)} × ${length(Math.abs(to[1] - first[1]), unit)}` : length(distance(last, to), unit);
-    label(context, words, [(last[0] + to[0]) / 2, (last[1] + to[1]) / 2], view, inks);
-    inMetres(context, view);
 }

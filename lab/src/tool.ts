@@ -59,21 +59,19 @@ export function useTool(own: Tool, modes: readonly Mode[] = []) {
 export const ROOM = ["outline", "rectangle", "polygon", "wall", "door", "region"] as const;
 export const MOTION = ["push", "way", "exit line", "exit area", "goal line", "goal area"] as const;
 /** What the next presses draw, in any tab: two tools cannot draw at once. "change": nothing. */
-export type Mode = "change" | (typeof ROOM)[number] | (typeof MOTION)[number] | "line" | "area" | "measure" | "move";
+export type Mode = "change" | (typeof ROOM)[number] | (typeof MOTION)[number] | "measure" | "scale" | "move";
 export const mode = signal<Mode>("change");
 /** Counts the beginnings: what was dragged is over then. */
 export const begun = signal(0);
 /** Points of what is being drawn, and where the pointer is, snapped. */
 export const sketch = signal<Point[]>([]);
 export const hover = signal<Point | null>(null);
-/** A press that draws counts when it ends: a second finger may make it a pinch. */
-export const clicks: { held: Pointer | null } = { held: null };
 
 export function begin(next: Mode) {
     batch(() => {
         mode.value = next;
         sketch.value = [];
-        hover.value = clicks.held = null;
+        hover.value = null;
         begun.value = begun.peek() + 1;
     });
 }
@@ -85,16 +83,6 @@ export function endOf(modes: readonly Mode[]) {
 
 /** Begins, or ends what was begun. */
 export const turn = (kind: Mode) => begin(mode.peek() === kind ? "change" : kind);
-
-/** Keys while something is drawn point by point. */
-export function drawingKey({ key }: KeyboardEvent, finish: () => void): boolean {
-    if (mode.value === "change") return false;
-    if (key === "Escape") begin("change");
-    else if (key === "Enter") finish();
-    else if (key === "Backspace") sketch.value = sketch.value.slice(0, -1);
-    else return false;
-    return true;
-}
 
 /** Tools that take precedence over that of the tab while their mode lasts. */
 export const over: Partial<Record<Mode, Tool>> = {};

@@ -1,6 +1,7 @@
 // Tools beside the picture: each opens the forms that it belongs to, and draws.
 
 import { t } from "./language";
+import { MEASURE } from "./line";
 import { kindOf, setKind } from "./motion";
 import { Button } from "./parts";
 import { change, plan } from "./plan";
@@ -44,7 +45,7 @@ export function Tools() {
 
 /** How the tool that draws now is used. */
 export function ToolHint() {
-    const hint = TOOLS.find(([, tool]) => tool === mode.value)?.[3];
+    const hint = mode.value === "measure" ? MEASURE : TOOLS.find(([, tool]) => tool === mode.value)?.[3];
     return <p role="status">{hint && `${hint} ${t("Esc ends it without a change.")}`}</p>;
 }
 

@@ -134,7 +134,7 @@ def test_a_person_is_dragged_with_the_mouse(page: Page) -> None:
 
 def test_who_crosses_a_line_is_counted(page: Page) -> None:
     example(page, "A bottleneck", 60)
-    page.get_by_role("button", name="Count over a line").click()
+    page.get_by_role("button", name="Measure here").click()
     canvas = page.locator("canvas").first
     box = canvas.bounding_box()
     assert box

@@ -222,13 +222,13 @@ class Picture:
     def __init__(self, page: Page) -> None:
         self.page = page
         self.canvas = page.locator("canvas").first
-        page.get_by_role("button", name="Count over a line").click()
+        page.get_by_role("button", name="Measure here").click()
         box = self.box()
         ends = [(round(share * box["width"]), round(share * box["height"])) for share in (0.2, 0.8)]
         self._drag(ends[0], ends[1])
         wait(page, lambda: plan(page)["line"] is not None)
         (left, top), (right, foot) = plan(page)["line"]
-        page.get_by_role("button", name="Remove the line").click()
+        page.get_by_role("button", name="Remove the line and the area").click()
         wait(page, lambda: plan(page)["line"] is None)
         self.scale = (ends[1][0] - ends[0][0]) / (right - left)
         self.origin = ends[0][0] - self.scale * left, ends[0][1] + self.scale * top
