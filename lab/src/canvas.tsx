@@ -124,7 +124,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     paintWays(context, scene.ways, now, inks, null, tab === "motion");
     for (const [, at] of scene.crossed) label(context, t("✕ wall"), at, now, inks);
     paintPlaces(context, scene.targets, now, inks);
-    if (motion.kind === "push" && !empty.value) for (const push of motion.pushes) paintPush(context, push, time, now, inks);
+    if (motion.kind === "push" && !empty.value) for (const push of motion.pushes) paintPush(context, push, time, now, inks, false, tab === "motion");
     if (line) paintLine(context, line, now, inks);
     if (area) paintArea(context, area, now, inks);
     inMetres(context, now);

@@ -6,6 +6,7 @@ import { useEffect, useMemo } from "preact/hooks";
 import { askedOf } from "./answer";
 import { Inside } from "./area";
 import { averaged, meanWords } from "./colour";
+import { byRow, eventOf } from "./event";
 import type { Film } from "./film";
 import { Flow } from "./flow";
 import { SQUEEZE } from "./frames";
@@ -133,9 +134,16 @@ export function Charts({ film }: { film: Film }) {
                 </p>
             </>
         ),
+        rows: () => {
+            const [far, ...rows] = byRow(film, shown);
+            const [now, most] = rows.map((row) => String(Math.round(Math.max(...row))));
+            const lines = [{ label: t("Now"), colour: "--one" }, { label: t("Greatest so far"), colour: "--two" }];
+            const summary = t("Squeeze by row, up to {time} s: at most {most} N; now {now} N.", { time, most: most!, now: now! });
+            return <Plot film={film} title={t("Squeeze by row")} unit="N" lines={lines} data={[far, ...rows]} end={far.at(-1) || 1} now={[now!, most!]} summary={summary} along="m" />;
+        },
         flow: () => line && <FlowChart film={film} line={line} ends={ends} end={end} />,
     };
-    const offered = CHARTS.filter(([key]) => (key === "left" ? scene.leaving > 0 : key === "density" ? area : key === "chest" ? scene.chests : key !== "flow" || line));
+    const offered = CHARTS.filter(([key]) => (key === "left" ? scene.leaving > 0 : key === "density" ? area : key === "rows" ? eventOf(film) : key === "chest" ? scene.chests : key !== "flow" || line));
     const { chart } = plan.value;
     const asked = askedOf(film) === "squeeze" ? "greatest" : "left";
     const chosen = chart === "all" || offered.some(([key]) => key === chart) ? (chart as Chart | "all") : asked;
@@ -154,6 +162,7 @@ const CHARTS: [Chart, string][] = [
     ["chest", t("Load on a chest [N]")],
     ["speed", t("Speed [m/s]")],
     ["left", t("Have left [people]")],
+    ["rows", t("Squeeze by row [N]")],
     ["flow", t("Crossed the line")],
     ["density", t("In the area [people per m²]")],
 ];

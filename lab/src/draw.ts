@@ -319,8 +319,8 @@ export class Painter {
 export const ARROW = 500;
 
 /** Where the arrow of a push ends. */
-export function tip({ at, direction, force }: Push): Point {
-    const [length, angle] = [force / ARROW, (direction * Math.PI) / 180];
+export function tip({ at, direction, force }: Push, most = Infinity): Point {
+    const [length, angle] = [Math.min(most, force / ARROW), (direction * Math.PI) / 180];
     return [at[0] + length * Math.cos(angle), at[1] + length * Math.sin(angle)];
 }
 
@@ -329,7 +329,7 @@ export function pulse({ start, duration }: Push, time: number) {
     return time > start && time < start + duration ? Math.sin((Math.PI * (time - start)) / duration) : 0;
 }
 
-export function paintPush(context: CanvasRenderingContext2D, push: Push, time: number, view: View, inks: Inks, picked = false) {
+export function paintPush(context: CanvasRenderingContext2D, push: Push, time: number, view: View, inks: Inks, picked = false, handles = false) {
     inMetres(context, view);
     const pixel = devicePixelRatio / view.scale;
     const acting = pulse(push, time);
@@ -344,7 +344,8 @@ export function paintPush(context: CanvasRenderingContext2D, push: Push, time: n
     context.setLineDash([6 * pixel, 4 * pixel]);
     context.stroke();
     context.setLineDash([]);
-    paintArrow(context, push.at, tip(push), (3 + 3 * acting) * pixel, inks.mark, inks.paper);
+    // Where its tip is no handle, it stays on the picture.
+    paintArrow(context, push.at, tip(push, handles ? Infinity : context.canvas.width / (4 * view.scale)), (3 + 3 * acting) * pixel, inks.mark, inks.paper);
 }
 
 /** In metres; with a thin rim of another colour, to be seen on people. */

@@ -91,7 +91,8 @@ export const EXAMPLES: Example[] = [
         name: "A push through a row",
         question: () => t("How hard does a push press?"),
         sentence: t("The last of five people in a row is pushed, and the push travels from back to back."),
-        made: { base: { kind: "example", name: "push" }, edits: [], motion: { kind: "own" } },
+        // As its drive.csv has it, which has no slider.
+        made: { base: { kind: "example", name: "push" }, edits: [], motion: { kind: "push", pushes: [{ at: [0, 0], radius: 0.1, direction: 0, force: 1200, start: 0, duration: 0.6 }], balance: "none" } },
     },
     {
         name: "A dense square",

@@ -1,8 +1,10 @@
 // What is odd about a scene, told at once: nobody moves, or people are to walk through walls.
 
+import { eventOf, pushTool } from "./event";
 import type { Film } from "./film";
 import { about, t } from "./language";
-import { plan } from "./plan";
+import { canUndo, plan } from "./plan";
+import { tool } from "./tool";
 
 /** Whether nobody of a crowd of this page can move. (What an opened Trial drives people with, only the engine knows.) */
 function isMotionless({ scene }: Film): boolean {
@@ -15,6 +17,7 @@ export function Hints({ film }: { film: Film }) {
     const ways = [...new Set(film.scene.crossed.map(([way]) => way + 1))];
     return (
         <>
+            {tool.value === pushTool && eventOf(film) && !canUndo.value && <p class="note">{t("Drag a person to push.")}</p>}
             {isMotionless(film) && <p class="note">{t("Nobody moves here: the tab Motion says what moves them.")}</p>}
             {ways.length > 0 && (
                 <p class="warning">{`${about(ways.length === 1 ? t("Way goes through a wall") : t("Ways go through a wall"), ways.join(", "))}. ${t("The cross shows where: people walk straight from point to point.")}`}</p>

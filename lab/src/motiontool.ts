@@ -67,7 +67,7 @@ draws({
         },
         // The tip need not be on the grid.
         place: ({ at }, from) => (from ? at : snapped(at)),
-        paint: (context, points, view, inks) => paintPush(context, drawnPush(points), -1, view, inks, true),
+        paint: (context, points, view, inks) => paintPush(context, drawnPush(points), -1, view, inks, true, true),
         words: (points) => (points.length > 1 ? pushWords(drawnPush(points)) : undefined),
     },
     way: {
@@ -151,7 +151,7 @@ export const motionTool = handles<Motion, [k: number, part: Part]>({
     paint(context, view, inks) {
         const [now, drags, k] = [motion.value, dragged.value !== null, picked.value];
         if (now.kind === "push" && k !== null && now.pushes[k]) {
-            paintPush(context, now.pushes[k], -1, view, inks, true);
+            paintPush(context, now.pushes[k], -1, view, inks, true, true);
             if (drags) label(context, pushWords(now.pushes[k]), tip(now.pushes[k]), view, inks);
         }
         if (now.kind === "walk" && drags) paintWays(context, now.ways, view, inks, k);

@@ -31,10 +31,10 @@ const PAGE_ROWS = {
     unit: row(one("m", "cm"), "cm"),
     /** Whether all tools, numbers and settings are shown, not only what is needed first. */
     more: row(flag, false),
-    /** Simulated seconds in a second. */
-    pace: row(within(0.01, 100), 1),
+    /** Simulated seconds in a second; 0: as slow as what happens needs it. */
+    pace: row(within(0, 100), 0),
     /** "asked": what the question of the scene is about. */
-    chart: row(one("asked", "greatest", "mean", "speed", "left", "flow", "density", "chest", "all"), "asked"),
+    chart: row(one("asked", "greatest", "mean", "speed", "left", "flow", "density", "chest", "rows", "all"), "asked"),
     view: row(one("2d", "3d", "section"), "2d"),
     /** Altitude of the section, in m. */
     altitude: row(within(0, 3), 1.3),
@@ -58,7 +58,7 @@ const SCENE_ROWS = {
         compression: null,
         level: null,
     }),
-    /** Where the timeline ends, in s. */
+    /** Where the timeline ends, in s; the first value: with what happens, if that ends (event.ts). */
     end: row(within(1e-3, 1e5), 30),
     trails: row(flag, false),
     forces: row(flag, false),

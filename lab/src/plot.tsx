@@ -24,7 +24,9 @@ interface PlotProps {
     lines: Line[];
     /** Seconds, and a row of numbers for each line. */
     data: uPlot.AlignedData;
-    /** Where the axis of time ends, in s: as the timeline's. */
+    /** The unit of the axis, if it is not that of the time. */
+    along?: string;
+    /** Where the axis ends: that of the time, in s, as the timeline's. */
     end: number;
     /** Value of each line at the shown time. */
     now: string[];
@@ -69,7 +71,7 @@ function colourOf(element: Element, name: string) {
     return getComputedStyle(element).getPropertyValue(name);
 }
 
-export function Plot({ film, title, unit, lines, data, end, now, summary }: PlotProps) {
+export function Plot({ film, title, unit, lines, data, end, now, summary, along }: PlotProps) {
     const place = useRef<HTMLDivElement>(null);
     const plot = useRef<uPlot | null>(null);
     const last = useRef(end);
@@ -90,7 +92,7 @@ export function Plot({ film, title, unit, lines, data, end, now, summary }: Plot
                 cursor: { drag: { x: false, y: false }, y: false, points: { show: false } },
                 scales: { x: { time: false, range: () => [0, last.current] }, y: { range: (_, __, most) => [0, most > 0 ? 1.05 * most : 1] } },
                 axes: [
-                    { ...axis, size: 26, gap: 2, values: (_, values) => values.map((value) => `${local(value)} s`) },
+                    { ...axis, size: 26, gap: 2, values: (_, values) => values.map((value) => `${local(value)} ${along ?? "s"}`) },
                     { ...axis, size: GUTTER, gap: 4, incrs: lines.some(({ counts }) => counts) ? WHOLE : undefined },
                 ],
                 series: [
@@ -111,6 +113,7 @@ export function Plot({ film, title, unit, lines, data, end, now, summary }: Plot
         const marker = document.createElement("div");
         marker.className = "shown";
         made.over.append(marker);
+        marker.hidden = along !== undefined;
         const mark = () => {
             const x = made.valToPos(film.shown.value * film.scene.step, "x");
             // While it plays, the lines follow a little later.
@@ -119,7 +122,7 @@ export function Plot({ film, title, unit, lines, data, end, now, summary }: Plot
         made.hooks.draw = [mark];
         const stopMarking = effect(mark);
         made.over.addEventListener("click", (event) => {
-            void film.show(Math.round(made.posToVal(event.offsetX, "x") / film.scene.step));
+            if (!along) void film.show(Math.round(made.posToVal(event.offsetX, "x") / film.scene.step));
         });
         const observer = new ResizeObserver(() => made.setSize({ width: Math.max(120, on.clientWidth), height: HEIGHT }));
         observer.observe(on);

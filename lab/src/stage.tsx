@@ -5,6 +5,7 @@ import { Answer } from "./answer";
 import { ByPlace, byPlace, mapKind } from "./byplace";
 import { Canvas } from "./canvas";
 import { Charts } from "./charts";
+import { play } from "./event";
 import type { Film } from "./film";
 import { Hints } from "./hints";
 import { t } from "./language";
@@ -34,7 +35,7 @@ export function Stage({ film }: { film: Film }) {
         let beaten = last;
         let handle = requestAnimationFrame(function next(now) {
             // The time of a picture may be before that of its request.
-            if (film.playing.value) film.tick(Math.max(0, now - last) / 1000, plan.value.pace);
+            if (film.playing.value) play(film, Math.max(0, now - last) / 1000);
             if (film.playing.value && now - beaten > BEAT) {
                 beaten = now;
                 beat.value += 1;

@@ -1,6 +1,7 @@
 // Where a visit begins: ready scenes, or the user's own files.
 
 import { example, questionOf } from "./answer";
+import { pushTool } from "./event";
 import { EXAMPLES, type Example } from "./examples";
 import { Keep } from "./kept";
 import { t } from "./language";
@@ -12,6 +13,7 @@ import { film } from "./session";
 import { Sketch } from "./sketch";
 import { Sliders } from "./sliders";
 import { SweepForm } from "./sweepform";
+import { useTool } from "./tool";
 import { TourButton } from "./tour";
 import { FileInput, openTrial } from "./upload";
 
@@ -19,6 +21,7 @@ export function StartTab() {
     const { name } = scene.value;
     const { more } = plan.value;
     const here = example();
+    useTool(pushTool);
     const further = (
         <>
             <p class="note">{t("People in dense crowds, as bodies that touch and press. Choose a question, move a slider, and watch; or draw your own room.")}</p>

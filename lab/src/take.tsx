@@ -6,6 +6,7 @@ import { useEffect, useRef } from "preact/hooks";
 import "./take.css";
 import { Stopped } from "./client";
 import { colourOf, isForce, scaleOf, values } from "./colour";
+import { eventOf, paceAt } from "./event";
 import type { Film } from "./film";
 import { about, count, rich, t } from "./language";
 import { canvas } from "./layout";
@@ -90,10 +91,11 @@ export function TakeTab({ film }: { film: Film }) {
         if (!from) throw new Error(t("the stage shows no picture"));
         return save(timed(`${scene.name}.png`), await png((onto) => compose(onto, from, film)));
     };
+    const pace = paceAt(film, (eventOf(film)?.[0] ?? 0) / scene.step);
     const record = async () => {
         recording.current = new AbortController();
         recorded.value = 0;
-        const blob = await movie(film, plan.value.pace, (share) => (recorded.value = share), recording.current.signal).finally(() => (recorded.value = null));
+        const blob = await movie(film, pace, (share) => (recorded.value = share), recording.current.signal).finally(() => (recorded.value = null));
         return blob && save(`${scene.name}.webm`, blob);
     };
     /** A table that the lab makes. */
@@ -112,7 +114,7 @@ export function TakeTab({ film }: { film: Film }) {
     const trajectories = () => table({ file: "trajectories", steps }, last, (name) => name.replace(/\.csv$/, `-0-${last}s.csv`));
 
     const noMovie = whyNoMovie();
-    const seconds = (film.reached.value * scene.step) / plan.value.pace;
+    const seconds = (film.reached.value * scene.step) / pace;
     const item = (name: string, make: () => Promise<string | null | void>, words: ComponentChildren, not = "", field: ComponentChildren = null) => (
         <li>
             <Button words={name} disabled={busy.value || not !== ""} onClick={() => void making(name, make)} />
@@ -177,7 +179,7 @@ export function TakeTab({ film }: { film: Film }) {
                     record,
                     film.reached.value < 1
                         ? t("All frames up to the last one that was shown, as the stage shows them. Play the run first.")
-                        : t("All frames up to the last one that was shown or asked for, as the stage shows them: {seconds} s at the pace {pace} ×. Browsers, VLC and ffmpeg read it.", { seconds: digits(seconds, 2), pace: plan.value.pace }),
+                        : t("All frames up to the last one that was shown or asked for, as the stage shows them: {seconds} s at the pace {pace} ×. Browsers, VLC and ffmpeg read it.", { seconds: digits(seconds, 2), pace }),
                     film.reached.value < 1 ? "" : noMovie,
                 )}
             </ul>

@@ -1,12 +1,13 @@
 // What plays a run: buttons, and the timeline.
 
 import { leavings } from "./csv";
+import { eventOf, paceAt } from "./event";
 import type { Film } from "./film";
 import { fixed, local, t } from "./language";
 import { calmly } from "./layout";
 import { Legend } from "./legend";
 import { Button, Choice, Icon, NumberField, Range } from "./parts";
-import { change, plan } from "./plan";
+import { change, FIRST, plan } from "./plan";
 
 const PACES = [0.1, 0.25, 0.5, 1, 2, 4].map((pace) => [String(pace), `${local(pace)} ×`] as const);
 const ICONS = {
@@ -32,8 +33,8 @@ export function Transport({ film }: { film: Film }) {
                 {more && button(t("Step back"), "back", () => void film.show(Math.ceil(film.place.value) - 1))}
                 {button(playing ? "Pause" : t("Play"), playing ? "pause" : "play", () => (film.playing.value = !playing))}
                 {more && button(t("Step"), "step", () => void film.show(film.shown.value + 1))}
-                <Choice label={t("Pace")} value={String(plan.value.pace)} choices={PACES} onChange={(pace) => change({ pace: Number(pace) })} />
-                {more && <NumberField label={t("End of the timeline")} short={t("timeline")} unit="s" value={plan.value.end} min={film.scene.step} max={1e5} step={5} onChange={(end) => change({ end })} />}
+                <Choice label={t("Pace")} value={String(plan.value.pace)} choices={[["0", t("By itself: {pace} ×", { pace: plan.value.pace ? 1 : paceAt(film, calmly(film, film.shown)) })], ...PACES]} onChange={(pace) => change({ pace: Number(pace) })} />
+                {more && <NumberField label={t("End of the timeline")} short={t("timeline")} unit="s" value={Number(endOf(film).toFixed(3))} min={film.scene.step} max={1e5} step={5} onChange={(end) => change({ end })} />}
                 {more && <UntilLeft film={film} />}
                 {!more && <Legend film={film} />}
             </div>
@@ -43,9 +44,12 @@ export function Transport({ film }: { film: Film }) {
     );
 }
 
+/** In s: where the timeline ends, unless it was played further. */
+const endOf = (film: Film) => (plan.value.end === FIRST.end ? eventOf(film)?.[1] : undefined) ?? plan.value.end;
+
 /** The last frame of the timeline and the charts: where the user wants it, or later if it was played further. */
 export function lastOf(film: Film): number {
-    return Math.max(Math.ceil(plan.value.end / film.scene.step - 1e-9), film.playing.value ? film.reached.peek() : film.reached.value);
+    return Math.max(Math.ceil(endOf(film) / film.scene.step - 1e-9), film.playing.value ? film.reached.peek() : film.reached.value);
 }
 
 /** In s: a run in which somebody is stuck would go on for ever. */

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import matplotlib
 import pytest
-from playwright.sync_api import Page, expect
-from visit import Picture, becomes, download, example, fill, lemons, make, plan, play_until, rows, show_at, tab, wait
+from playwright.sync_api import Browser, Page, expect
+from visit import Picture, becomes, download, example, fill, lemons, make, plan, play_until, rows, seconds, show_at, tab, wait
 
 #: Frames in which everybody is looked at.
 EARLY, LATE = 60, 140
@@ -196,3 +196,52 @@ def test_one_tool_draws_at_a_time(page: Page) -> None:
         one.click()
         expect(one).to_have_attribute("aria-pressed", "true")
         expect(other).to_have_attribute("aria-pressed", "false")
+
+
+def test_who_is_dragged_is_pushed_slowly_and_the_timeline_ends_with_it(browser: Browser, url: str) -> None:
+    page = browser.new_context(first=True, viewport={"width": 1440, "height": 900}).new_page()
+    page.goto(url)
+    page.get_by_text("Other questions, and your scenes").click()
+    page.get_by_role("button", name="What does a push do in a packed crowd?").click()
+    expect(page.get_by_text("180 people placed in")).to_be_visible()
+    pace = page.get_by_label("Pace").locator("option:checked")
+    wait(page, lambda: seconds(page) > 0.25)
+    expect(pace).to_have_text("By itself: 0.1 ×")
+    # Until the wave is over, not 30 s.
+    time = page.get_by_role("slider", name="Time")
+    end = lambda: float(time.get_attribute("max") or 0)
+    wait(page, lambda: 0.9 < end() / float(time.input_value()) * seconds(page) < 2.5)
+    # From the middle of the stage, upwards: somebody else, as hard as before.
+    box = page.locator("canvas").first.bounding_box()
+    assert box
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    def over_somebody() -> bool:
+        nonlocal x
+        x += 3
+        page.mouse.move(x, y)
+        page.wait_for_timeout(50)
+        return page.locator("canvas.over-person").count() == 1
+
+    wait(page, over_somebody)
+    page.mouse.down()
+    page.mouse.move(x, y - 80, steps=4)
+    page.mouse.up()
+    wait(page, lambda: len(plan(page)["made"]["motion"]["pushes"]) == 1)
+    (push,) = plan(page)["made"]["motion"]["pushes"]
+    assert (push["force"], push["direction"]) == (600, 90)
+    assert abs(push["at"][0] - 2.5) < 0.5 and abs(push["at"][1] - 2.5) < 0.5
+    # A click is none, and pauses nothing; Undo brings the pushes back.
+    page.mouse.click(x, y + 60)
+    assert plan(page)["made"]["motion"]["pushes"] == [push]
+    expect(page.get_by_role("button", name="Pause")).to_be_visible()
+    # By itself it stops where the wave is over; the chart of rows says how hard.
+    page.get_by_role("region", name="Charts").get_by_role("combobox").select_option("rows")
+    wait(page, lambda: page.get_by_role("button", name="Play").count() == 1)
+    assert float(time.input_value()) == end() and 0.9 < seconds(page) < 2.5
+    said = page.get_by_role("img", name=re.compile("Squeeze by row")).get_attribute("aria-label") or ""
+    most, now = (float(found) for found in re.findall(r"([\d.]+) N", said))
+    assert most > 300 and now < most / 2
+    page.get_by_role("button", name="Undo").click()
+    wait(page, lambda: len(plan(page)["made"]["motion"]["pushes"]) == 3)
+    page.context.close()

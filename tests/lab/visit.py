@@ -197,8 +197,8 @@ def places(trial: Path) -> dict[str, tuple[float, float, float]]:
     return found
 
 
-#: Shows all tools, numbers and settings from the first visit on.
-MORE = "try { localStorage.getItem('lemons-lab page') ?? localStorage.setItem('lemons-lab page', '{\"more\": true}'); } catch {}"
+#: Shows all tools, numbers and settings from the first visit on, at the pace of a clock.
+MORE = "try { localStorage.getItem('lemons-lab page') ?? localStorage.setItem('lemons-lab page', '{\"more\": true, \"pace\": 1}'); } catch {}"
 
 
 #: What a page shows as it is opened, also where one must scroll: controls and words; and the share of the window that the stage
