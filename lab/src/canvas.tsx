@@ -264,7 +264,7 @@ function useHands(agentAt: (at: Point) => number | null) {
     };
     /** What is drawn on should not move, nor people meanwhile. */
     const still = () => {
-        fits.value = false;
+        if (!state.tool?.keeps) fits.value = false;
         if (film.value) film.value.playing.value = false;
     };
     /** What a tool began is as before. */

@@ -48,8 +48,7 @@ export function play(of: Film, seconds: number) {
 /** People by rows across the first push, from behind: how far they are [m], their mean squeeze [N] in a frame, and the greatest up to it. */
 export function byRow({ made: { motion }, frames, scene }: Film, until: number): [far: number[], now: number[], greatest: number[]] {
     if (motion.kind !== "push") return [[], [], []];
-    const angle = (motion.pushes[0]!.direction * Math.PI) / 180;
-    const first = frames.frame(0);
+    const [angle, first] = [(motion.pushes[0]!.direction * Math.PI) / 180, frames.frame(0)];
     const far = scene.agents.map((_, a) => first[COLUMNS * a]! * Math.cos(angle) + first[COLUMNS * a + 1]! * Math.sin(angle));
     const rows: number[][] = [];
     for (const a of [...far.keys()].sort((a, b) => far[a]! - far[b]!)) {
@@ -69,6 +68,7 @@ const aim = signal<Push | null>(null);
 export const pushTool = handles<Push, Point>({
     now: () => (plan.value.made.motion.kind === "push" ? plan.value.made.motion.pushes[0]! : null),
     dragged: aim,
+    keeps: true,
     grab(now, { agent, at }) {
         const frame = film.value?.frames.frame(0);
         if (agent === null || !frame) return null;

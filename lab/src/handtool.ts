@@ -121,9 +121,7 @@ function act(edit: OfPerson) {
     choose({ edits: after }, false);
 }
 
-function idOf(agent: number) {
-    return film.value!.scene.agents[agent]!.id;
-}
+const idOf = (agent: number) => film.value!.scene.agents[agent]!.id;
 
 export function put(to: Pose) {
     pose.value = to;
@@ -183,9 +181,7 @@ export function forget() {
     overlaps.value = null;
 }
 
-function handle({ x, y, theta }: Pose): Point {
-    return [x + ARM * Math.cos(theta), y + ARM * Math.sin(theta)];
-}
+const handle = ({ x, y, theta }: Pose): Point => [x + ARM * Math.cos(theta), y + ARM * Math.sin(theta)];
 
 /** Where it was pressed from the middle of the person, or the handle that turns. */
 export const handTool = handles<Pose, Point | "turn">({

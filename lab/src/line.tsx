@@ -4,7 +4,7 @@ import { type Inks, label, strokes, through } from "./draw";
 import { draws, sides } from "./handles";
 import { t } from "./language";
 import { Button, PointFields } from "./parts";
-import { change, type Plan, plan } from "./plan";
+import { change, plan } from "./plan";
 import type { Point } from "./protocol";
 import { distance } from "./roomshape";
 import { endOf, mode, turn } from "./tool";
@@ -26,11 +26,8 @@ draws({
         words: (points, drags) => (isArea(points, drags) ? sides(points) : undefined),
     },
 });
-const CHARTS: Record<Kind, Plan["chart"]> = { line: "flow", area: "density" };
 
-function put(kind: Kind, line: Line) {
-    change({ chart: CHARTS[kind], [kind]: line });
-}
+const put = (kind: Kind, line: Line) => change({ chart: kind === "line" ? "flow" : "density", [kind]: line });
 
 export function paintArea(context: CanvasRenderingContext2D, [from, to]: Line, view: View, inks: Inks) {
     inMetres(context, view);

@@ -39,9 +39,7 @@ function starting(kind: Motion["kind"]): Motion {
     return { kind };
 }
 
-export function kindOf() {
-    return motion.value.kind;
-}
+export const kindOf = () => motion.value.kind;
 
 export function setKind(kind: Motion["kind"]) {
     before.set(motion.value.kind, motion.value);

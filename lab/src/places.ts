@@ -10,17 +10,9 @@ export const ROTATIONAL: Rotational = { time_gap: 0.9, standstill_gap: 0.09, rea
 
 export type Kind = "exit" | "goal";
 
-export function placesOf({ exits, goals }: DecisionConfig): Place[] {
-    return [...exits, ...goals];
-}
-
-export function kindOf({ exits }: DecisionConfig, k: number): Kind {
-    return k < exits.length ? "exit" : "goal";
-}
-
-export function cornersOf({ line, polygon }: Place): Point[] {
-    return line ?? polygon ?? [];
-}
+export const placesOf = ({ exits, goals }: DecisionConfig): Place[] => [...exits, ...goals];
+export const kindOf = ({ exits }: DecisionConfig, k: number): Kind => (k < exits.length ? "exit" : "goal");
+export const cornersOf = ({ line, polygon }: Place): Point[] => line ?? polygon ?? [];
 
 export function shaped(place: Place, corners: Point[]): Place {
     const [from, to, ...more] = corners;

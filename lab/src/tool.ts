@@ -37,6 +37,8 @@ export interface Tool {
     overlapping?(): readonly number[] | null;
     /** People are faint, because something else is looked at. */
     faint?(): boolean;
+    /** All is seen as before while it drags. */
+    keeps?: boolean;
     /** Whether the next press draws: the pointer is a cross. */
     draws?(): boolean;
 }

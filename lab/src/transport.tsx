@@ -33,7 +33,7 @@ export function Transport({ film }: { film: Film }) {
                 {more && button(t("Step back"), "back", () => void film.show(Math.ceil(film.place.value) - 1))}
                 {button(playing ? "Pause" : t("Play"), playing ? "pause" : "play", () => (film.playing.value = !playing))}
                 {more && button(t("Step"), "step", () => void film.show(film.shown.value + 1))}
-                <Choice label={t("Pace")} value={String(plan.value.pace)} choices={[["0", t("By itself: {pace} ×", { pace: plan.value.pace ? 1 : paceAt(film, calmly(film, film.shown)) })], ...PACES]} onChange={(pace) => change({ pace: Number(pace) })} />
+                <Choice label={t("Pace")} value={String(plan.value.pace)} choices={[["0", t("{pace} × by itself", { pace: plan.value.pace ? 1 : paceAt(film, calmly(film, film.shown)) })], ...PACES]} onChange={(pace) => change({ pace: Number(pace) })} />
                 {more && <NumberField label={t("End of the timeline")} short={t("timeline")} unit="s" value={Number(endOf(film).toFixed(3))} min={film.scene.step} max={1e5} step={5} onChange={(end) => change({ end })} />}
                 {more && <UntilLeft film={film} />}
                 {!more && <Legend film={film} />}
