@@ -40,7 +40,7 @@ export function paceAt(of: Film, frame: number): number {
 /** Goes on by real seconds; by itself it stops where what happens is over. Who plays it again sees how it goes on. */
 export function play(of: Film, seconds: number) {
     const end = plan.value.pace ? undefined : eventOf(of)?.[1];
-    const [before, last] = [of.place.value, end && Math.round(end / of.scene.step)];
+    const [before, last] = [of.place.value, end && Math.ceil(end / of.scene.step - 1e-9)];
     of.tick(seconds, paceAt(of, before));
     if (last && before < last && of.place.value >= last) void of.show(last);
 }
