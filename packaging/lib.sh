@@ -155,8 +155,10 @@ compile() {
     without_places "$directory"
     # Quoted, because directories may have spaces; the crate cc reads them so with CC_SHELL_ESCAPED_FLAGS.
     places=("-ffile-prefix-map=$root=lemons" "-ffile-prefix-map=$home=cargo")
-    # zig's linker strips and signs; what rustc would start afterwards may be missing, and would break the signature.
-    [[ $target != *-apple-darwin ]] || flags+=(-Cstrip=none -Clink-arg=-Wl,-S -Clink-arg=-Wl,-x)
+    # zig's linker strips and signs; what rustc would start afterwards may be missing, and would break the signature. The
+    # name of a library in itself would be where it was made; FMUs are loaded by their paths.
+    [[ $target != *-apple-darwin ]] ||
+        flags+=(-Cstrip=none -Clink-arg=-Wl,-S -Clink-arg=-Wl,-x -Clink-arg=-Wl,-install_name,@rpath/lemons.dylib)
     local arguments=(build --locked --profile dist --target-dir "$directory" "$@")
     if [[ $with == debian && $target != x86_64-unknown-linux-gnu ]]; then
         arguments+=(-Zbuild-std=std,panic_unwind)
