@@ -521,9 +521,9 @@ def test_the_scale_of_a_picture_needs_two_ends_and_its_tools_end_with_the_tab(pa
 def test_what_the_browser_takes_back_is_not_said_to_be_kept(page: Page) -> None:
     # As where there is no room: all requests are done, and their transaction fails.
     script = '''() => {
-        const list = IDBObjectStore.prototype.getAllKeys;
-        IDBObjectStore.prototype.getAllKeys = function () {
-            const request = list.apply(this);
+        const put = IDBObjectStore.prototype.put;
+        IDBObjectStore.prototype.put = function (...given) {
+            const request = put.apply(this, given);
             request.addEventListener("success", () => this.transaction.abort());
             return request;
         };
