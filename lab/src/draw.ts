@@ -2,6 +2,7 @@
 // scaling happens here.
 
 import { type Shade, THINGS } from "./colour";
+import { local } from "./language";
 import { type AgentShown, COLUMNS, type Disk, FEET, isThere, type OpenTime, type Point, type Push, type Scene, type Waypoint } from "./protocol";
 import { inMetres, toMetres, toPixels, type View } from "./view";
 
@@ -412,7 +413,7 @@ export function paintBar(context: CanvasRenderingContext2D, view: View, unit: "m
     const length = [5, 2, 1].find((by) => by * size <= most)! * size;
     const [left, low, right] = [12 * pixel, height - 12 * pixel, 12 * pixel + length * view.scale];
     context.setTransform(1, 0, 0, 1, 0, 0);
-    const words = unit === "cm" && length < 10 ? `${Number((100 * length).toPrecision(2))} cm` : `${Number(length.toPrecision(2))} m`;
+    const words = unit === "cm" && length < 10 ? `${Number((100 * length).toPrecision(2))} cm` : `${local(Number(length.toPrecision(2)))} m`;
     context.lineCap = "butt";
     through(context, [[left, low - 5 * pixel], [left, low], [right, low], [right, low - 5 * pixel]]);
     strokes(context, [[inks.paper, 5 * pixel], [inks.ink, 2 * pixel]]);
