@@ -150,6 +150,8 @@ pub(super) struct CommunicationStep<'a, D: Course> {
     pub across: Vec<Option<AcrossFlight>>,
     /// \[1\] Part of the margins by which bodies may move before the list of near pairs is made again.
     pub leeway: f64,
+    /// \[1\] What it was when lists were made or changed.
+    pub leeway_then: f64,
     /// What these margins are for.
     pub expected: Expected,
     /// When it is looked for free bodies again.
@@ -266,15 +268,12 @@ impl<D: Course> CommunicationStep<'_, D> {
     fn renew_lists(&mut self, step: u64, steps: u64) -> Result<(), Crowded> {
         self.choose_margins((steps - step) as f64);
         self.list(Renewed::All)?;
-        let Blocks { kinematics, near_at, .. } = &mut *self.blocks;
-        near_at.clear();
-        near_at.extend(kinematics.iter().map(|body| body.pose()));
-        self.leeway = 1.0;
+        self.note_lists(1.0);
         Ok(())
     }
 
-    /// Returns the part of its margin that every body has not moved by since the near pairs were listed. It is more than what
-    /// is left of a sum over steps, each of the body that moved by the largest part.
+    /// Returns the part of its margin by which every body may still move. It is more than what is left of a sum over steps,
+    /// each of the body that moved by the largest part.
     fn left_of_margins(&self) -> f64 {
         let Blocks { kinematics, near_at, .. } = &*self.blocks;
         let moved = |mover: &Mover<D>| {
@@ -282,7 +281,15 @@ impl<D: Course> CommunicationStep<'_, D> {
             let squared = (now.position - then.position).norm_squared() * mover.per_squared_margin;
             squared.sqrt() + (now.orientation - then.orientation).abs() * mover.reach_per_margin
         };
-        1.0 - all(&self.movers).map(moved).fold(0.0, f64::max)
+        self.leeway_then - all(&self.movers).map(moved).fold(0.0, f64::max)
+    }
+
+    /// Notes where bodies are when lists were made or changed, and by which part of their margins they may move from there.
+    fn note_lists(&mut self, leeway: f64) {
+        let Blocks { kinematics, near_at, .. } = &mut *self.blocks;
+        near_at.clear();
+        near_at.extend(kinematics.iter().map(|body| body.pose()));
+        (self.leeway, self.leeway_then) = (leeway, leeway);
     }
 
     /// Adds the pairs of bodies that have become active to valid lists.
@@ -292,9 +299,11 @@ impl<D: Course> CommunicationStep<'_, D> {
             let mover = list.iter_mut().find(|mover| mover.body.index() == b);
             let mover = mover.expect("it has just become active");
             self.blocks.margins[b] = mover.choose_margin(&self.blocks.kinematics[b].twist, &self.expected);
-            self.blocks.near_at[b] = self.blocks.kinematics[b].pose();
         }
-        self.list(Renewed::Joined)
+        self.list(Renewed::Joined)?;
+        // Some blocks have pairs of those who are near now, others of those who were near then.
+        self.note_lists(self.leeway);
+        Ok(())
     }
 
     fn list(&mut self, which: Renewed) -> Result<(), Crowded> {

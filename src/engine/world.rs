@@ -114,6 +114,8 @@ pub struct World {
     /// Number of communication steps that several threads have shared.
     shared: u64,
     contacts: ContactReport,
+    /// Whether bodies have come since the contacts were found.
+    came: bool,
     compressions: OnceLock<Vec<Compression>>,
     exposures: Exposures,
     work: Work,
@@ -157,6 +159,7 @@ impl World {
             threads: Threads::default(),
             shared: 0,
             contacts: ContactReport::default(),
+            came: false,
             compressions: OnceLock::new(),
             exposures: Exposures::default(),
             work: Work::default(),
@@ -195,6 +198,7 @@ impl World {
     pub fn set_present(&mut self, body: BodyId, present: bool) {
         if std::mem::replace(&mut self.present[body.index()], present) != present {
             self.blocks.forget_candidates();
+            self.came |= present;
         }
     }
 
@@ -425,6 +429,7 @@ impl World {
         });
         blocks.take_work();
         self.contacts = blocks.report(scene);
+        self.came = false;
         self.compressions.take();
         // As after a step of duration zero.
         self.exposures = blocks.exposures(scene, 0.0, &self.contacts);
@@ -461,6 +466,12 @@ impl World {
         let steps = step_count(duration, self.mechanical_step)?;
         if steps > MOST_STEPS {
             return Err(AdvanceError::TooManySteps { duration, mechanical_step: self.mechanical_step });
+        }
+        if self.came {
+            // Who touches those who have come must be known, as in a world that is restored.
+            let exposures = self.exposures.clone();
+            self.restore(self.state.clone())?;
+            self.exposures = exposures;
         }
         let held = self.drive_rate.iter().all(|rate| *rate == Wrench::default());
         let slopes = self.scene.slopes.clone();
@@ -556,6 +567,7 @@ impl World {
             flights: Vec::new(),
             across: Vec::new(),
             leeway: 0.0,
+            leeway_then: 0.0,
             expected: Expected::default(),
             watch: Watch::new(),
             awoken_at: Vec::new(),

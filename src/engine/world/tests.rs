@@ -188,6 +188,66 @@ fn who_wakes_in_a_world_that_was_just_made_is_not_missed() {
     }
 }
 
+/// Two are pressed together and bounce, while one who passes far away wakes others one by one: who wakes joins lists that
+/// were made when the two were elsewhere.
+#[test]
+fn who_bounce_while_others_wake_are_not_missed() {
+    const WOKEN: usize = 30;
+    const PASSES: f64 = 4.0;
+    let body = RoundBody { mass: 1.0, radius: 0.02, relaxation: 0.0, stiffness: 1e4 };
+    for phase in 0..60 {
+        let share = f64::from(phase) / 60.0;
+        let (way, speed, passing) =
+            (0.003 + 0.017 * share, 0.05 + 0.25 * (7.0 * share).fract(), 0.03 - 0.02 * share);
+        let bounced = |others: usize| {
+            let place = |k: usize| match k {
+                0 | 1 => vec2(if k == 0 { -0.0205 } else { 0.0205 }, 0.0),
+                2 => vec2(0.0, 1.0),
+                _ => vec2(0.09 + 0.02 * k as f64, if k % 2 == 0 { 1.052 } else { 0.948 }),
+            };
+            let velocity = |k: usize| match k {
+                0 | 1 => vec2(if k == 0 { -speed } else { speed }, 0.0),
+                2 => vec2(passing, 0.0),
+                _ => Vec2::zeros(),
+            };
+            let count = 3 + others;
+            let poses = (0..count).map(|k| Pose { position: place(k), orientation: 0.0 }).collect();
+            let twists = (0..count).map(|k| Twist { velocity: velocity(k), angular_velocity: 0.0 }).collect();
+            let mut world = World::new(body.scene(count), State::new(poses, twists), 1e-3).unwrap();
+            for (k, towards) in [(0, 1.0), (1, -1.0)] {
+                world.drive[k].force = vec2(towards * speed * speed / (2.0 * way), 0.0);
+            }
+            world.advance(PASSES / passing * 0.15).unwrap();
+            assert!(world.work().shortlisted < count as u64);
+            world.state().poses[..2].to_vec()
+        };
+        assert_eq!(bounced(0), bounced(WOKEN), "{phase}");
+    }
+}
+
+/// Who touches somebody is not free, and whether it is looked for free bodies depends on how many these are.
+#[test]
+fn who_comes_counts_as_in_a_world_that_is_restored() {
+    let body = RoundBody { mass: 1.0, radius: 0.1, relaxation: 4.5, stiffness: 1e4 };
+    for count in 3..12 {
+        let place = |k: usize| vec2(if k == 1 { 0.19 } else { k as f64 }, 0.0);
+        let poses = (0..count).map(|k| Pose { position: place(k), orientation: 0.1 }).collect();
+        let speed = |k: usize| vec2(0.01 * k as f64, 0.1);
+        let twists = (0..count).map(|k| Twist { velocity: speed(k), angular_velocity: 0.3 }).collect();
+        let mut world = World::new(body.scene(count), State::new(poses, twists), 1e-3).unwrap();
+        world.drive.fill(Wrench { force: vec2(17.0, 3.3), torque: 0.7 });
+        world.set_present(BodyId(1), false);
+        world.advance(0.008).unwrap();
+        world.set_present(BodyId(1), true);
+        let mut restored = world.clone();
+        restored.restore(world.state().clone()).unwrap();
+        for world in [&mut world, &mut restored] {
+            world.advance(0.008).unwrap();
+        }
+        assert_eq!(world.state(), restored.state(), "{count}");
+    }
+}
+
 /// In the middle of a run. The total momentum of the others changes no more, and the one who comes back begins
 /// again with what it touches there.
 #[test]
