@@ -1,6 +1,6 @@
 use super::*;
 use crate::engine::round_bodies::RoundBody;
-use crate::engine::{Pose, Twist, vec2};
+use crate::engine::{BodySpec, DiskSpec, LawTable, PairLaw, Pose, Twist, vec2};
 
 /// Two equal and opposite forces that move nobody: their sum of sizes is beyond all numbers.
 #[test]
@@ -192,36 +192,55 @@ fn who_wakes_in_a_world_that_was_just_made_is_not_missed() {
 /// were made when the two were elsewhere.
 #[test]
 fn who_bounce_while_others_wake_are_not_missed() {
-    const WOKEN: usize = 30;
-    const PASSES: f64 = 4.0;
-    let body = RoundBody { mass: 1.0, radius: 0.02, relaxation: 0.0, stiffness: 1e4 };
-    for phase in 0..60 {
-        let share = f64::from(phase) / 60.0;
-        let (way, speed, passing) =
-            (0.003 + 0.017 * share, 0.05 + 0.25 * (7.0 * share).fract(), 0.03 - 0.02 * share);
-        let bounced = |others: usize| {
-            let place = |k: usize| match k {
-                0 | 1 => vec2(if k == 0 { -0.0205 } else { 0.0205 }, 0.0),
-                2 => vec2(0.0, 1.0),
-                _ => vec2(0.09 + 0.02 * k as f64, if k % 2 == 0 { 1.052 } else { 0.948 }),
-            };
-            let velocity = |k: usize| match k {
-                0 | 1 => vec2(if k == 0 { -speed } else { speed }, 0.0),
-                2 => vec2(passing, 0.0),
-                _ => Vec2::zeros(),
-            };
-            let count = 3 + others;
-            let poses = (0..count).map(|k| Pose { position: place(k), orientation: 0.0 }).collect();
-            let twists = (0..count).map(|k| Twist { velocity: velocity(k), angular_velocity: 0.0 }).collect();
-            let mut world = World::new(body.scene(count), State::new(poses, twists), 1e-3).unwrap();
-            for (k, towards) in [(0, 1.0), (1, -1.0)] {
-                world.drive[k].force = vec2(towards * speed * speed / (2.0 * way), 0.0);
-            }
-            world.advance(PASSES / passing * 0.15).unwrap();
-            assert!(world.work().shortlisted < count as u64);
-            world.state().poses[..2].to_vec()
+    const SPEED: f64 = 0.3;
+    const WAY: f64 = 0.01;
+    const PASSING: f64 = 0.006;
+    const OTHERS: usize = 12;
+    let bounced = |others: usize, shift: f64| {
+        let count = 3 + others;
+        let mut laws = LawTable::new(1);
+        let law = PairLaw {
+            normal_stiffness: 1e4,
+            tangential_stiffness: 1e4,
+            normal_damping: 0.0,
+            tangential_damping: 0.0,
+            friction: 0.0,
         };
-        assert_eq!(bounced(0), bounced(WOKEN), "{phase}");
+        laws.set(0, 0, law);
+        let body = |k: usize| BodySpec {
+            mass: 1.0,
+            inertia: 1.0,
+            translation_rate: 0.0,
+            across_rate: None,
+            rotation_rate: 0.0,
+            disks: vec![DiskSpec {
+                radius: if k < 3 { 0.02 } else { 0.004 },
+                position: Vec2::zeros(),
+                material: 0,
+            }],
+        };
+        let scene = Scene::new(&(0..count).map(body).collect::<Vec<_>>(), &[], laws);
+        let aside = |k: usize| if k % 2 == 0 { 0.036 } else { -0.036 };
+        let place = |k: usize| match k {
+            0 => vec2(-0.0205, 0.0),
+            1 => vec2(0.0205, 0.0),
+            2 => vec2(0.0, 1.0),
+            _ => vec2(0.09 + shift + 0.018 * (k - 3) as f64, 1.0 + aside(k)),
+        };
+        let velocity = |k: usize| vec2([-SPEED, SPEED, PASSING].get(k).copied().unwrap_or(0.0), 0.0);
+        let poses = (0..count).map(|k| Pose { position: place(k), orientation: 0.0 }).collect();
+        let twists = (0..count).map(|k| Twist { velocity: velocity(k), angular_velocity: 0.0 }).collect();
+        let mut world = World::new(scene, State::new(poses, twists), 1e-3).unwrap();
+        for (k, towards) in [(0, 1.0), (1, -1.0)] {
+            world.drive[k].force = vec2(towards * SPEED * SPEED / (2.0 * WAY), 0.0);
+        }
+        world.advance(0.3 / PASSING).unwrap();
+        assert!(world.work().shortlisted < others.max(1) as u64, "nobody woke");
+        world.state().poses[..2].to_vec()
+    };
+    let alone = bounced(0, 0.0);
+    for shift in 0..40 {
+        assert_eq!(bounced(OTHERS, 2.5e-4 * f64::from(shift)), alone, "{shift}");
     }
 }
 
