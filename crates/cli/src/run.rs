@@ -61,6 +61,7 @@ pub struct Arguments {
     accuracy: Option<f64>,
     /// File for the trajectories; - is standard output. Several crowds go to FILE_NAME.csv, with the name
     /// of each component. If nothing is a crowd, as of a summary FMU: file for the outputs. Default: trajectories.csv
+    /// of a crowd, else none
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// File for the outputs of what is not a crowd: of other FMUs, or where people want to go

@@ -167,7 +167,7 @@ impl SummaryConfig {
             MeasuringArea::of_numbers(&area.corners).is_some_and(|area| !area.meets(&there.polygon))
         });
         notes.extend(outside.map(|AreaConfig { name, .. }| {
-            format!("the area {name:?} is outside {around}: nobody is in it who has not come out")
+            format!("the area {name:?} is outside {around}: people are in it only after they have left them")
         }));
         notes
     }

@@ -10,7 +10,7 @@ use crate::files;
 use crate::interrupt::Interrupt;
 use crate::print::{self, is_closed_pipe};
 use crate::version::BUILD;
-use anyhow::{Context, Error, Result, bail};
+use anyhow::{Context, Error, Result, bail, ensure};
 use indicatif::ProgressBar;
 use lemons_decision::Plan;
 use lemons_master::{FileType, RunSettings, SavedRun, TrialInput, writers};
@@ -107,7 +107,15 @@ pub fn simulate(job: RunJob, interrupt: &Interrupt) -> Result<EndedRun> {
     ];
     let about = About { lines, goes_on: before.is_some() };
     let outputs = match &rows {
-        RowTarget::Table(place) if either && crowds.is_empty() => outputs.or_else(|| Some(place.clone())),
+        RowTarget::Table(place) if either && crowds.is_empty() => {
+            let input = settings.input.display();
+            ensure!(!output_columns.is_empty(), "-o: {input} has no outputs, so there is no table");
+            ensure!(
+                outputs.is_none(),
+                "-o, --outputs: {input} has no variables of each person: give one of them"
+            );
+            Some(place.clone())
+        }
         _ => outputs,
     };
     let outputs = outputs.filter(|_| !output_columns.is_empty());
