@@ -16,17 +16,19 @@ const SLOW = 0.1;
 const [OVER, LONGEST] = [0.05, 3];
 /** [s] What is shown after it. */
 const AFTER = 0.3;
+/** [s] The answer is a mean over so long a time. */
+const MEAN = 1;
 /** [m] Along a push, people nearer to each other are in the same row. */
 const ROW = 0.2;
 
 /** [s] When it begins and ends, as far as it is computed; null: nothing like it. */
 export function eventOf({ made: { motion }, scene: { leaving, step }, frames }: Film): [from: number, to: number] | null {
-    if (motion.kind !== "push" || leaving > 0) return null;
+    if (motion.kind !== "push" || leaving > 0 || motion.pushes.length === 0) return null;
     const pushed = Math.max(...motion.pushes.map(({ start, duration }) => start + duration));
     const curve = frames.curve("greatest");
     const most = curve.reduce((one, other) => Math.max(one, other), 0);
     const wave = step * curve.findLastIndex((squeeze) => squeeze > OVER * most);
-    return [Math.min(...motion.pushes.map(({ start }) => start)), AFTER + Math.max(pushed, Math.min(wave, pushed + LONGEST))];
+    return [Math.min(...motion.pushes.map(({ start }) => start)), Math.max(MEAN, AFTER + Math.max(pushed, Math.min(wave, pushed + LONGEST)))];
 }
 
 /** Simulated seconds in a second at a frame: chosen, or as slow as what happens needs it. */
@@ -35,6 +37,13 @@ export function paceAt(of: Film, frame: number): number {
     const event = eventOf(of);
     const time = frame * of.scene.step;
     return event && time >= event[0] && time < event[1] ? SLOW : 1;
+}
+
+/** How many real seconds it takes up to a time [s]. */
+export function lasts(of: Film, end: number): number {
+    const event = plan.value.pace ? null : eventOf(of);
+    const slow = event ? Math.max(0, Math.min(end, event[1]) - event[0]) : 0;
+    return (end - slow) / (plan.value.pace || 1) + slow / SLOW;
 }
 
 /** Goes on by real seconds; by itself it stops where what happens is over. Who plays it again sees how it goes on. */
@@ -47,7 +56,7 @@ export function play(of: Film, seconds: number) {
 
 /** People by rows across the first push, from behind: how far they are [m], their mean squeeze [N] in a frame, and the greatest up to it. */
 export function byRow({ made: { motion }, frames, scene }: Film, until: number): [far: number[], now: number[], greatest: number[]] {
-    if (motion.kind !== "push") return [[], [], []];
+    if (motion.kind !== "push" || motion.pushes.length === 0) return [[], [], []];
     const [angle, first] = [(motion.pushes[0]!.direction * Math.PI) / 180, frames.frame(0)];
     const far = scene.agents.map((_, a) => first[COLUMNS * a]! * Math.cos(angle) + first[COLUMNS * a + 1]! * Math.sin(angle));
     const rows: number[][] = [];

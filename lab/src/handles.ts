@@ -20,7 +20,7 @@ export interface Drawing {
     /** Where the next point is; otherwise snapped and, with Shift, at a right angle. */
     place?(pointer: Pointer, last: Point | undefined): Point;
     /** Whether they can be it; if not, it is drawn anew. */
-    fits?(points: Point[], pointer: Pointer): boolean;
+    fits?(points: Point[], pointer: Pointer, dragged: boolean): boolean;
     done(points: Point[], dragged: boolean): void;
     /** The last point is that of the pointer. */
     paint(context: CanvasRenderingContext2D, points: Point[], view: View, inks: Inks, drags: boolean): void;
@@ -52,7 +52,7 @@ function finish(dragged = false) {
 
 /** It ends with these points, if they can be it. */
 function offer(points: Point[], pointer: Pointer, dragged: boolean) {
-    const fits = drawings[mode.value]!.fits?.(points, pointer) ?? true;
+    const fits = drawings[mode.value]!.fits?.(points, pointer, dragged) ?? true;
     sketch.value = fits ? points : [];
     if (fits) finish(dragged);
 }

@@ -20,7 +20,7 @@ draws({
         points: [2, 2],
         drag: true,
         place: ({ at }) => at.map((place) => Number(place.toFixed(3))) as Point,
-        fits: ([from, to], { reach }) => distance(from!, to!) > reach,
+        fits: ([from, to], { reach }, drags) => (drags ? distance(from!, to!) > reach : [0, 1].every((axis) => Math.abs(from![axis]! - to![axis]!) > reach)),
         done: ([from, to], drags) => put(drags ? "line" : "area", [from!, to!]),
         paint: (context, points, view, inks, drags) => points[1] && (isArea(points, drags) ? paintArea : paintLine)(context, points as Line, view, inks),
         words: (points, drags) => (isArea(points, drags) ? sides(points) : undefined),

@@ -1,6 +1,7 @@
 // The text of a link: compressed (deflate, RFC 1951), in letters of addresses (base64url, RFC 4648).
 
 export async function packed(text: string): Promise<string> {
+    if (!("CompressionStream" in globalThis)) return encodeURIComponent(text);
     const stream = new Blob([text]).stream().pipeThrough(new CompressionStream("deflate-raw"));
     const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
     return btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join("")).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");

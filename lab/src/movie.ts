@@ -20,8 +20,8 @@ export function whyNoMovie(): string {
     return "VideoEncoder" in globalThis ? "" : t("This browser cannot record a canvas.");
 }
 
-/** All frames once, so many simulated seconds in a second; null if it was stopped. `tell` hears which share is there. */
-export async function movie(film: Film, pace: number, tell: (share: number) => void, stop: AbortSignal): Promise<Blob | null> {
+/** All frames once, at a pace for each: simulated seconds in a second; null if it was stopped. `tell` hears which share is there. */
+export async function movie(film: Film, paceAt: (frame: number) => number, tell: (share: number) => void, stop: AbortSignal): Promise<Blob | null> {
     const { ArrayBufferTarget, Muxer } = await import("webm-muxer");
     const picture = document.createElement("canvas");
     const end = film.reached.value;
@@ -41,7 +41,7 @@ export async function movie(film: Film, pace: number, tell: (share: number) => v
         frame.close();
     };
     for (let [k, place] = [0, -1]; place < end; k++) {
-        place = Math.min(end, (k * pace) / RATE / film.scene.step);
+        place = k === 0 ? 0 : Math.min(end, place + paceAt(place) / RATE / film.scene.step);
         paint(place);
         encode(k / RATE, k % APART === 0);
         if (place === end) encode(k / RATE + STAY, false);

@@ -87,7 +87,7 @@ export function Plot({ film, title, unit, lines, data, end, now, summary, along 
                 width: Math.max(120, on.clientWidth),
                 height: HEIGHT,
                 // The axis of time lies under the timeline.
-                padding: [null, 12, null, 0],
+                padding: [null, 24, null, 0],
                 legend: { show: false },
                 cursor: { drag: { x: false, y: false }, y: false, points: { show: false } },
                 scales: { x: { time: false, range: () => [0, last.current] }, y: { range: (_, __, most) => [0, most > 0 ? 1.05 * most : 1] } },

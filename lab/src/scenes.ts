@@ -124,7 +124,7 @@ function sameRest(one: string, other: string) {
 /** Shows a scene that is not the visitor's own yet, or an opened file at once as one. */
 export function open(called: string, part: Parameters<typeof choose>[0], playing: boolean, crowd = plan.value.crowd, own = false) {
     batch(() => {
-        replace(null, { name: called.slice(0, NAME), past: [], future: [], plan: { line: null, area: null, map: "none", span: [null, null], backdrop: null, drawn: null, sweep: FIRST.sweep, limit: FIRST.limit, author: "" } });
+        replace(null, { name: called.slice(0, NAME), past: [], future: [], plan: { end: FIRST.end, line: null, area: null, map: "none", span: [null, null], backdrop: null, drawn: null, sweep: FIRST.sweep, limit: FIRST.limit, author: "" } });
         // Materials and steps that were changed are those of the scene before.
         choose({ mechanics: undefined, ...part }, playing, crowd, "", false);
         if (own) ofFile = opened.value;

@@ -6,9 +6,9 @@ import { useEffect, useRef } from "preact/hooks";
 import "./take.css";
 import { Stopped } from "./client";
 import { colourOf, isForce, scaleOf, values } from "./colour";
-import { eventOf, paceAt } from "./event";
+import { lasts, paceAt } from "./event";
 import type { Film } from "./film";
-import { about, count, rich, t } from "./language";
+import { about, count, local, rich, t } from "./language";
 import { canvas } from "./layout";
 import { movie, whyNoMovie } from "./movie";
 import { curvesCsv, leavingCsv, origin, perExit, saveOfRun, saveTable } from "./csv";
@@ -91,11 +91,10 @@ export function TakeTab({ film }: { film: Film }) {
         if (!from) throw new Error(t("the stage shows no picture"));
         return save(timed(`${scene.name}.png`), await png((onto) => compose(onto, from, film)));
     };
-    const pace = paceAt(film, (eventOf(film)?.[0] ?? 0) / scene.step);
     const record = async () => {
         recording.current = new AbortController();
         recorded.value = 0;
-        const blob = await movie(film, pace, (share) => (recorded.value = share), recording.current.signal).finally(() => (recorded.value = null));
+        const blob = await movie(film, (frame) => paceAt(film, frame), (share) => (recorded.value = share), recording.current.signal).finally(() => (recorded.value = null));
         return blob && save(`${scene.name}.webm`, blob);
     };
     /** A table that the lab makes. */
@@ -114,7 +113,8 @@ export function TakeTab({ film }: { film: Film }) {
     const trajectories = () => table({ file: "trajectories", steps }, last, (name) => name.replace(/\.csv$/, `-0-${last}s.csv`));
 
     const noMovie = whyNoMovie();
-    const seconds = (film.reached.value * scene.step) / pace;
+    const seconds = lasts(film, film.reached.value * scene.step);
+    const pace = plan.value.pace || (seconds > film.reached.value * scene.step ? `${local(0.1)}–1` : 1);
     const item = (name: string, make: () => Promise<string | null | void>, words: ComponentChildren, not = "", field: ComponentChildren = null) => (
         <li>
             <Button words={name} disabled={busy.value || not !== ""} onClick={() => void making(name, make)} />

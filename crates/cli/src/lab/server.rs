@@ -133,8 +133,13 @@ fn request_of(head: &str) -> HttpRequest<'_> {
         let mut fields = lines.clone().filter_map(|line| line.split_once(':'));
         fields.find(|(name, _)| name.eq_ignore_ascii_case(wanted)).map_or("", |(_, value)| value.trim())
     };
-    // Not "gzip;q=0", which refuses it.
-    let takes_gzip = field("accept-encoding").split(',').any(|coding| coding.trim() == "gzip");
+    let is_gzip = |coding: &str| {
+        let (name, weight) = coding.split_once(';').unwrap_or((coding, ""));
+        // A weight of zero refuses it.
+        let refused = weight.trim().strip_prefix("q=").and_then(|q| q.parse().ok()) == Some(0.0);
+        name.trim().eq_ignore_ascii_case("gzip") && !refused
+    };
+    let takes_gzip = field("accept-encoding").split(',').any(is_gzip);
     HttpRequest { method, path, host: field("host"), takes_gzip }
 }
 
