@@ -37,12 +37,14 @@ async function told(client: Client, run: number, ...films: Film[]): Promise<Told
 }
 
 export async function makeReport(now: Film) {
+    const { tab } = plan.value;
     const own = await told(now.client, now.scene.run, now);
     const run = kept.value?.film;
     const client = run && run !== now ? new Client() : null;
     try {
         const other = client && (await told(client, await shownTo(client, run!), run!, now));
-        if (!now.over) report.value = { own, other };
+        // Who went elsewhere meanwhile stays there.
+        if (!now.over && plan.value.tab === tab) report.value = { own, other };
     } finally {
         client?.close("it has told");
     }
