@@ -220,7 +220,7 @@ fn who_bounce_while_others_wake_are_not_missed() {
             }],
         };
         let scene = Scene::new(&(0..count).map(body).collect::<Vec<_>>(), &[], laws);
-        let aside = |k: usize| if k % 2 == 0 { 0.036 } else { -0.036 };
+        let aside = |k: usize| if k.is_multiple_of(2) { 0.036 } else { -0.036 };
         let place = |k: usize| match k {
             0 => vec2(-0.0205, 0.0),
             1 => vec2(0.0205, 0.0),
