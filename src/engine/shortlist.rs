@@ -138,7 +138,6 @@ impl Shortlist {
     /// Returns whether one of some disks, all of them in the circle `around`, is nearer than a margin \[m\] to what a body sweeps
     /// while it is free.
     pub fn nears(&self, scene: &Scene, disks: &[Circle], around: &Circle, body: usize, margin: f64) -> bool {
-        // Rounding is less than any margin that is asked for.
         let clear = |disk: &Circle, swept: &Circle| {
             let reach = disk.radius + swept.radius + margin;
             (disk.centre - swept.centre).norm_squared() > reach * reach

@@ -525,7 +525,7 @@ impl World {
                 Pair::Face { disk, .. } => [disk; 2],
             };
             let bodies = disks.map(|disk| self.scene.body_of(disk).index());
-            // The contacts are those of the step before.
+            // Contacts of those who have left since are still there.
             if bodies.iter().all(|b| self.present[*b]) {
                 bodies.iter().for_each(|b| activity[*b] = Activity::Active);
             }

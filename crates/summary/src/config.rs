@@ -167,7 +167,7 @@ impl SummaryConfig {
             MeasuringArea::of_numbers(&area.corners).is_some_and(|area| !area.meets(&there.polygon))
         });
         notes.extend(outside.map(|AreaConfig { name, .. }| {
-            format!("the area {name:?} is outside {around}: people are in it only after they have left them")
+            format!("the area {name:?} is outside {around}: it is empty until somebody comes out")
         }));
         notes
     }

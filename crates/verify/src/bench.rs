@@ -110,7 +110,8 @@ fn dense(agents: usize) -> Result<World> {
     settled(crowd(agents, DENSE, 0.5, 800.0), 0.5)
 }
 
-/// \[s\] A seventh of a frame: the longest step that keeps everybody in [`soft`] right to 1 mm (`reference/speed.py`).
+/// \[s\] A seventh of a frame of 1/60 s: in the crowd of `reference/speed.py`, which is like [`soft`], the longest step that
+/// keeps everybody right to 1 mm.
 const SOFT_STEP: f64 = 1.0 / 420.0;
 
 /// Makes the same crowd with the stiffness of the material `human_soft`.
